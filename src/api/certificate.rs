@@ -144,7 +144,7 @@ pub(crate) fn without_unheld(
     let poses = depth.poses(machine);
     let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
     let Judgement { approach, uncompensated, compensated, raised } = judge(field, &set_up, &poses);
-    (Certificate { approach, uncompensated, compensated, raised, ..certificate }, set_up)
+    (Certificate { approach, uncompensated, compensated, raised, straight: None, ..certificate }, set_up)
 }
 
 /// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not
@@ -189,10 +189,14 @@ pub struct CertificateReport {
     pub errors: IndexMap<String, SingleErrorResidual>,
     /// Number of poses for single errors.
     pub single_error_poses: usize,
-    /// Motions that the files add with all axes at 0.
+    /// Motions that the files add at home, or with all axes at 0 where the machine file does not state `home` for each.
     pub at_reference: AtReference,
     /// Errors that the controller cannot correct, in words.
     pub cannot: Vec<String>,
+    /// Figures with straight lines between points, where the control has them as an option; `compensated` is then with
+    /// steps, in the worst place of each section.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub straight: Option<Figures>,
     /// Figures for each form of the tool direction, where the controller transforms.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub programming: Vec<ProgrammingFigures>,
@@ -219,7 +223,7 @@ pub struct CertificateReport {
     pub strongest: Option<Strongest>,
 }
 
-/// Motions that files add with all axes at 0, by axis, mm and deg.
+/// Motions that files add at home, or with all axes at 0, by axis, mm and deg.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AtReference {
     /// Approached forward.
@@ -281,6 +285,7 @@ impl CertificateReport {
             single_error_poses: certificate.single_error_poses,
             at_reference: AtReference { forward, reverse },
             cannot: target.manifest.cannot.clone(),
+            straight: certificate.straight,
             programming: certificate.programming,
             steps: Vec::new(),
             job: scope.job.as_ref().map(|work| JobCertificate::new(machine, field, work)),

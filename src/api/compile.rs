@@ -2,8 +2,8 @@
 
 use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use crate::controller::{
-    Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
-    certify, certify_kinematics,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Level, Limits, Lock, Manifest, NAMES, RenderedFile,
+    TablesUnderTest, certify, certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Field;
@@ -95,6 +95,7 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
         call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
+        warn_inches(call, file, &target);
         refuse_unverified(call, &target, options.accept_unverified)?;
         let scope = options.scope(call, file)?;
         if let Some(mechanism) = target.manifest.kinematics() {
@@ -135,10 +136,14 @@ fn tables(
         limits: options.max_correction,
     };
     let whole = CompensationOptions { without: Vec::new(), ..how.clone() };
-    let whole = whole.target(call, &options.target)?;
+    let mut whole = whole.target(call, &options.target)?;
+    let mut target = target.clone();
+    for target in [&mut target, &mut whole] {
+        table_set::take_scales(call, file, target, installed.as_ref())?;
+    }
     let over = installed.as_ref().map(|installed| (installed, &whole));
-    let set = table_set::render(call, file, target, &request, over)?;
-    let target = over.map_or(target, |(_, whole)| whole);
+    let set = table_set::render(call, file, &target, &request, over)?;
+    let target = over.map_or(&target, |(_, whole)| whole);
     let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
@@ -180,6 +185,16 @@ fn assemble(
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
     CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, scope, names), files, lock }
+}
+
+/// Warns of a machine that counts in inches: a controller's files have mm.
+fn warn_inches(call: &mut Call, file: &MachineFile, target: &ControllerTarget) {
+    let Manifest { target: name, certainty, .. } = &target.manifest;
+    if file.in_inches && certainty.syntax.level != Level::OwnFormat {
+        let message = format!("the machine file has travels in inches, and the numbers in files of `{name}` are mm");
+        let help = "load them only where the control counts in mm: in inches it would move 25.4 times as far";
+        call.warn(Diagnostic::new(codes::W0719, message).help(help));
+    }
 }
 
 /// Kinematic parameters on top of tables for the same errors would correct them twice.

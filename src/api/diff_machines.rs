@@ -212,7 +212,7 @@ impl<'a> Judge<'a> {
     /// must not change the work of the others.
     fn hangs_on(&self, property: &MachineProperty) -> bool {
         match property {
-            MachineProperty::Travel(_) | MachineProperty::Controller(_) => false,
+            MachineProperty::Travel(_) | MachineProperty::Controller(_) | MachineProperty::Home(_) => false,
             MachineProperty::Class | MachineProperty::Tolerances => self.bounded,
             _ => true,
         }

@@ -66,6 +66,10 @@ pub(super) struct CompensationArgs {
     /// Letters and numbers of axes in the controller [default: `controller` of the axes in the machine file].
     #[arg(long, value_name = "A=AX6,C=AX7", value_delimiter = ',')]
     map: Vec<String>,
+    /// Scales of drives in force when the machine was measured: steps in a mm (M92, $100), or mm in a turn
+    /// (rotation_distance) [default: what the settings in --installed say; without any no scale is written].
+    #[arg(long, value_name = "X=80,Y=80", value_delimiter = ',')]
+    scale: Vec<String>,
     /// True in the resource-limited child that renders user templates.
     #[arg(from_global)]
     template_child: bool,
@@ -95,6 +99,7 @@ impl CompensationArgs {
             without: self.without.clone(),
             fit: self.own_axis,
             map: self.map.clone(),
+            scale: self.scale.clone(),
             watch: if self.template_child { TemplateWatch::new(TimeOfTemplates) } else { TemplateWatch::default() },
         }
     }

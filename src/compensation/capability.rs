@@ -2,13 +2,15 @@
 
 use super::increment::{Increment, round};
 use super::parameters::ParameterRules;
+use super::scale::DriveScale;
 use super::tables::{CorrectionTable, CorrectionTables};
 use crate::machine::Machine;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The mechanisms of a target. A correction that several of them could hold goes into one only: rotary axes into their
 /// own tables, then own and cross tables, planes for their residual.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mechanisms {
     /// One table per axis, correcting that axis as a function of its own position.
@@ -240,6 +242,11 @@ pub struct OwnAxisRules {
     /// The part of the corrections that they hold.
     #[serde(default)]
     pub holds: OwnAxisContent,
+    /// The scale of the drive as which the controller has lines over the axis itself.
+    pub scale: Option<DriveScale>,
+    /// Scales in force by name of axis, from the options of a run; others are not written.
+    #[serde(skip)]
+    pub in_force: Vec<(String, f64)>,
 }
 
 /// The rules of tables that correct an axis as a function of another one's position.
@@ -411,6 +418,22 @@ impl Mechanisms {
         self.cross_axis.iter_mut().for_each(|cross| cross.table.fit = fit);
     }
 
+    /// The scale of drives that own-axis lines are stored as, if they are.
+    pub fn scale(&self) -> Option<DriveScale> {
+        self.own_axis.as_ref().and_then(|own| own.scale)
+    }
+
+    /// True for the scale of a drive.
+    pub fn is_scale(&self, table: &CorrectionTable) -> bool {
+        self.scale().is_some() && table.is_own_axis()
+    }
+
+    /// The scale in force of an axis, if it is known.
+    pub(super) fn scale_in_force(&self, machine: &Machine, axis: usize) -> Option<f64> {
+        let known = &self.own_axis.as_ref()?.in_force;
+        known.iter().find(|(name, _)| *name == machine.axes()[axis].name.as_str()).map(|(_, value)| *value)
+    }
+
     /// The mechanism by which an axis corrects itself: own-axis tables, or cross tables that may do so.
     fn own(&self) -> Option<(&'static str, &TableRules)> {
         let cross = || self.cross_axis.as_ref().filter(|cross| cross.own).map(|cross| ("cross_axis", &cross.table));
@@ -480,8 +503,17 @@ impl Mechanisms {
     /// Rounds every stored number but those of products, whose factors are stored.
     pub fn round_sums(&self, machine: &Machine, tables: &mut CorrectionTables) {
         tables.quantise(machine, |table| {
-            self.rules(table).filter(|_| !self.is_product(table)).map(|rules| &rules.increment)
+            let factors = self.is_product(table) || self.is_scale(table);
+            self.rules(table).filter(|_| !factors).map(|rules| &rules.increment)
         });
+        let in_force: BTreeMap<usize, f64> = tables.scales.iter().copied().collect();
+        for table in tables.tables.iter_mut().filter(|table| self.is_scale(table)) {
+            let (Some(own), Some(was)) = (&self.own_axis, in_force.get(&table.axes[0])) else { continue };
+            let Some(scale) = own.scale else { continue };
+            let decimals = own.table.increment.correction_decimals;
+            let stored = round(scale.stored(*was, table.slope_of_line()), decimals);
+            table.set_slope_of_line(scale.slope(*was, stored));
+        }
         let Some(rules) = &self.error_curves else { return };
         for curve in &mut tables.errors {
             let direction = curve.error.direction;

@@ -79,7 +79,7 @@ impl Increment {
 }
 
 /// Rounds to the nearest multiple of the last decimal; the result prints exactly with that many decimals.
-pub(super) fn round(value: f64, decimals: u8) -> f64 {
+pub fn round(value: f64, decimals: u8) -> f64 {
     let scale = libm::pow(10.0, f64::from(decimals));
     libm::round(value * scale) / scale + 0.0
 }

@@ -21,6 +21,7 @@ mod parameters;
 mod plan;
 mod product;
 mod room;
+mod scale;
 mod scope;
 mod single_error;
 mod sum;
@@ -28,11 +29,11 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Directions, Encoding, Fit, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent, OwnAxisContent, PlaneGrid,
-    PlaneRules, Reference, Spacing, Stored, TableRules,
+    Directions, Encoding, Fit, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent, OwnAxisContent,
+    OwnAxisRules, PlaneGrid, PlaneRules, Reference, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, correct};
-pub use increment::Increment;
+pub use increment::{Increment, round};
 pub use jacobian::Jacobian;
 pub use lattice::{LatticeRequest, lattice};
 pub use own_axis::{own_axis_table, reversal_tables, thinned_axes};
@@ -40,6 +41,7 @@ pub use parameters::{AssumedAxis, MachinePart, ParameterRules, ParameterVector, 
 pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
 pub use room::Crowded;
+pub use scale::DriveScale;
 pub use scope::{Correction, Goal, Scope};
 pub use single_error::{SetLayout, single_errors};
 pub use tables::{

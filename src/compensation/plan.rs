@@ -12,8 +12,8 @@ use super::nodes::{AxisCurves, ColumnValues, interval, rolling};
 use super::product::{self, TABLES_OF_A_PRODUCT};
 use super::sum::{Demand, Filler, Traits};
 use super::{
-    Correction, CorrectionTable, CorrectionTables, Directions, Factors, Fit, LatticeRequest, LatticeRules, Mechanisms,
-    PlaneGrid, PlaneRules, Reference, Scope, Spacing, TableRules, lattice, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Directions, Encoding, Factors, Fit, LatticeRequest, LatticeRules,
+    Mechanisms, OwnAxisRules, PlaneGrid, PlaneRules, Reference, Scope, Spacing, TableRules, lattice, own_axis_table,
 };
 use crate::evaluate::{CompiledModel, Order};
 use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, OperatingPoint, Pose};
@@ -22,6 +22,8 @@ use crate::units::Interval;
 /// Fills the tables of the mechanisms and rounds them to their increments.
 pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     let mut tables = fill(machine, mechanisms, request);
+    let scales = tables.tables.iter().filter(|table| mechanisms.is_scale(table));
+    tables.scales = scales.filter_map(|t| Some((t.axes[0], mechanisms.scale_in_force(machine, t.axes[0])?))).collect();
     for table in &mut tables.tables {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
             vanish_at_reference(table, rules.directions == Directions::Backlash);
@@ -124,7 +126,7 @@ pub(super) struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    fn tables(&self) -> CorrectionTables {
+    pub fn tables(&self) -> CorrectionTables {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
@@ -147,6 +149,7 @@ impl Planner<'_> {
         let mut sets =
             |layout: &[CorrectionTable]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
         let mut layout = self.choose_tables(sets(&self.curve_layout()), &own);
+        layout.iter_mut().for_each(|table| self.refine(table));
         if let Some(rules) = &self.mechanisms.plane {
             let trial = sets(&[layout.clone(), self.planes(rules)].concat());
             let planes: Vec<CorrectionTable> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
@@ -194,7 +197,9 @@ impl Planner<'_> {
     }
 
     fn own_error_tables(&self) -> Vec<CorrectionTable> {
-        let Some(rules) = self.mechanisms.own_rules() else { return Vec::new() };
+        // A scale is a line over the volume, of linear axes.
+        let rules = self.mechanisms.own_rules().filter(|_| self.mechanisms.scale().is_none());
+        let Some(rules) = rules else { return Vec::new() };
         let alone = self.mechanisms.cross_axis.is_none() && self.mechanisms.plane.is_none();
         let kinds: &[AxisKind] =
             if rules.fit == Fit::Axis { &[AxisKind::Linear, AxisKind::Rotary] } else { &[AxisKind::Rotary] };
@@ -202,9 +207,44 @@ impl Planner<'_> {
         let wanted = |axis: &usize| kinds.contains(&self.machine.axes()[*axis].kind);
         let axes = (0..self.machine.axes().len()).filter(wanted);
         // Own and cross tables over the same axis have the same points: one list may hold both.
-        let tables = axes.map(|axis| own_axis_table(self.machine, axis, rules, shared(axis)));
+        let tables = axes.map(|axis| {
+            let table = own_axis_table(self.machine, axis, rules, shared(axis));
+            let mut fine = table.clone();
+            self.refine(&mut fine);
+            let finer = fine.nodes != table.nodes;
+            if finer { own_axis_table(self.machine, axis, rules, fine.nodes.pop()) } else { table }
+        });
         // A controller with own-axis tables alone has one for every axis.
         tables.filter(|table| (alone && rules.fit == Fit::Axis) || self.counts(table)).collect()
+    }
+
+    /// Where numbers are differences, takes the largest interval with which none is above a unit: a control that gives
+    /// them as pulses leaves most of a pulse between two points, and shorter intervals leave as much.
+    fn refine(&self, table: &mut CorrectionTable) {
+        let Some(rules) = self.mechanisms.rules(table).filter(|rules| rules.encoding == Encoding::Difference) else {
+            return;
+        };
+        let kind = self.machine.axes()[table.corrected[0]].kind;
+        let unit = 2.0 * rules.increment.half_correction(kind);
+        let values = std::iter::once(&table.values).chain(&table.reverse);
+        let steps = values.flat_map(|values| values.windows(2)).map(|w| (w[1] - w[0]).abs() / unit);
+        let intervals = table.nodes[0].len() - 1;
+        let most = (rules.max_points.min(rules.max_points_per_axis) - 3) / intervals.max(1);
+        // A hundredth of a unit is rounding of the fit.
+        let wanted = libm::ceil(steps.fold(0.0, f64::max) - 0.01).max(1.0) as usize;
+        let [first, last] = [table.nodes[0][0], table.nodes[0][intervals]];
+        let step = |parts: usize| (last - first) / (intervals * parts) as f64;
+        let whole = |parts: &usize| {
+            let increments = step(*parts) / rules.increment.min_position(self.machine.axes()[table.axes[0]].kind);
+            (increments - libm::round(increments)).abs() < 1e-6
+        };
+        let parts = (wanted..=most).find(whole).or_else(|| (1..=most).rev().find(whole)).unwrap_or(1);
+        let nodes = (0..=intervals * parts).map(|i| first + i as f64 * step(parts));
+        let nodes = rules.increment.distinct(nodes, self.machine.axes()[table.axes[0]].kind);
+        let at =
+            |values: &Vec<f64>| -> Vec<f64> { nodes.iter().map(|q| straight(&table.nodes[0], values, *q)).collect() };
+        let (values, reverse) = (at(&table.values), table.reverse.as_ref().map(at));
+        *table = CorrectionTable { nodes: vec![nodes], values, reverse, ..table.clone() };
     }
 
     /// Tables of zeros for axes without any where the controller wants one for each.
@@ -237,6 +277,9 @@ impl Planner<'_> {
 
     fn curve(&self, input: usize, output: usize) -> Option<CorrectionTable> {
         let own = input == output;
+        if own && self.mechanisms.scale().is_some() {
+            self.mechanisms.scale_in_force(self.machine, input)?;
+        }
         let cross = self.mechanisms.cross_axis.as_ref();
         let (rules, by_cross) = if own {
             let rules = self.mechanisms.own_rules().filter(|rules| rules.fit == Fit::FunctionalPoint)?;
@@ -433,6 +476,24 @@ impl Planner<'_> {
     }
 }
 
+impl Mechanisms {
+    /// Returns the axes whose scale would be corrected if the value in force were known, with the correction in mm over
+    /// their travel.
+    pub fn unknown_scales(&self, machine: &Machine) -> Vec<(usize, f64)> {
+        let Some(own) = self.own_axis.as_ref().filter(|own| own.scale.is_some()) else { return Vec::new() };
+        let unknown = |axis: &usize| self.scale_in_force(machine, *axis).is_none();
+        let axes: Vec<usize> = (0..machine.axes().len()).filter(unknown).collect();
+        let in_force = axes.iter().map(|axis| (machine.axes()[*axis].name.to_string(), 1.0)).collect();
+        let trial = Self { own_axis: Some(OwnAxisRules { in_force, ..own.clone() }), ..Self::default() };
+        let lines = Planner { machine, mechanisms: &trial }.tables().tables;
+        let over = |table: &CorrectionTable| {
+            let (min, max) = machine.axes()[table.axes[0]].travel.interval();
+            (table.axes[0], table.slope_of_line() * (max - min))
+        };
+        lines.iter().map(over).collect()
+    }
+}
+
 /// Intervals of a factor over a linear axis: it is an angle or a lever arm, smoother than tables over one axis.
 const PRODUCT_INTERVALS: usize = 12;
 
@@ -469,8 +530,9 @@ pub fn lacking(machine: &Machine, mechanisms: &Mechanisms) -> Option<String> {
         }
     }
     let known = machine.errors().any(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
-    let lines =
-        mechanisms.cross_axis.as_ref().filter(|rules| !rules.pairs.is_empty() && mechanisms.iter().count() == 1);
+    let scaled = mechanisms.own_axis.as_ref().is_some_and(|own| own.scale.is_some() && own.in_force.is_empty());
+    let alone = mechanisms.iter().count() == 1 + usize::from(scaled);
+    let lines = mechanisms.cross_axis.as_ref().filter(|rules| !rules.pairs.is_empty() && alone);
     let pair = |[a, b]: &[String; 2]| machine.axis_index(a).is_some() && machine.axis_index(b).is_some();
     match lines {
         Some(rules) if known && !rules.pairs.iter().any(pair) => {

@@ -48,6 +48,8 @@ pub struct CorrectionTables {
     /// Factors of what the model's corrections add to an axis, where the controller is told to turn it round (-1) or to
     /// leave it (0).
     pub senses: Vec<(usize, f64)>,
+    /// Scales of drives in force, by axis, against which lines of an axis over itself count.
+    pub scales: Vec<(usize, f64)>,
 }
 
 impl CorrectionTables {
@@ -186,7 +188,7 @@ impl CorrectionTables {
         tables.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
         let mut errors = self.errors;
         errors.sort_by(|a, b| a.error.cmp(&b.error));
-        Self { tables, errors, senses: self.senses }
+        Self { tables, errors, ..self }
     }
 
     /// Do both add the same to every command? Tables of zeros count for nothing.
@@ -198,6 +200,7 @@ impl CorrectionTables {
                 tables: kept.map(|table| CorrectionTable { factors: Vec::new(), ..table }).collect(),
                 errors: all.errors.clone(),
                 senses: all.senses.clone(),
+                scales: Vec::new(),
             }
             .merge()
         };

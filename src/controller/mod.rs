@@ -29,8 +29,8 @@ pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
 pub use manifest::{
-    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, TemplateLimit, TemplateWatch, axis_letters,
-    by_number, is_plain_name,
+    AssignedAxis, Certainty, Controller, ControllerTarget, Level, Manifest, NAMES, TemplateLimit, TemplateWatch,
+    axis_letters, by_number, is_plain_name,
 };
 pub use read::{IndexFile, ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;

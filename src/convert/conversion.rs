@@ -71,7 +71,7 @@ fn mirror(axis: &Axis) -> Axis {
         crate::machine::Sense::Iso841 => crate::machine::Sense::Direct,
         crate::machine::Sense::Direct => crate::machine::Sense::Iso841,
     };
-    Axis { travel, sense, ..axis.clone() }
+    Axis { travel, sense, home: axis.home.map(|home| 0.0 - home), ..axis.clone() }
 }
 
 /// A tolerance does not state how errors go together: it can stay, but not be turned into others.

@@ -118,6 +118,8 @@ pub(crate) fn tables_there(
 fn all_targets(call: &mut Call, options: &CompensationOptions) -> Result<Vec<ControllerTarget>, Refused> {
     let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
     names.extend(options.own_targets(call.run.files).into_iter().filter(|own| !NAMES.contains(&&**own)));
+    // Files say their scales themselves, and most targets have none.
+    let options = &CompensationOptions { scale: Vec::new(), ..options.clone() };
     names.into_iter().map(|name| options.target(call, &name)).collect()
 }
 

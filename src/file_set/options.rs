@@ -1,11 +1,12 @@
 //! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
-use crate::compensation::{Fit, Goal, Scope, Stored};
+use crate::compensation::{DriveScale, Fit, Goal, Scope, Stored};
 use crate::controller::{ControllerTarget, Lock, TemplateWatch, is_plain_name};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{AxisName, ControllerAxis};
 use crate::run::{Call, Refused};
 use crate::syntax::{EntryKind, Files};
+use crate::units::number;
 use std::path::{Path, PathBuf};
 
 /// Options of the compensation of a machine.
@@ -27,6 +28,9 @@ pub struct CompensationOptions {
     pub fit: Option<Fit>,
     /// Letters and numbers of axes in the controller, such as `A=AX6` or `X1=U`, over those of the machine file.
     pub map: Vec<String>,
+    /// Scales of drives in force when the machine was measured, such as `X=80`: steps in a mm, or mm in a turn. Without
+    /// it, and without the control's own settings among the files in force, no scale is written.
+    pub scale: Vec<String>,
     /// What bounds the time of templates.
     #[serde(skip)]
     pub watch: TemplateWatch,
@@ -80,6 +84,19 @@ fn axis_words(map: &[String]) -> Result<Vec<(String, ControllerAxis)>, &String> 
     Ok(all)
 }
 
+/// Reads entries such as `X=80`; none if one of them is no scale, or an axis is there twice.
+fn scales(entries: &[String]) -> Option<Vec<(String, f64)>> {
+    let [least, most] = DriveScale::RANGE;
+    let one = |entry: &String| {
+        let (name, value) = entry.split_once('=')?;
+        let value = number(value).ok().filter(|value| (least..=most).contains(value))?;
+        Some((AxisName::new(name)?.to_string(), value))
+    };
+    let all: Vec<(String, f64)> = entries.iter().map(one).collect::<Option<_>>()?;
+    let twice = (1..all.len()).any(|i| all[..i].iter().any(|(name, _)| *name == all[i].0));
+    (!twice).then_some(all)
+}
+
 impl CompensationOptions {
     /// These options, and what the manifest of a set states where they do not.
     pub(crate) fn as_in(&self, lock: Option<&Lock>) -> Self {
@@ -109,6 +126,7 @@ impl CompensationOptions {
         words.extend(self.stored.map(|stored| stored_word(stored).to_owned()));
         words.extend(self.without.iter().map(|kind| format!("without {kind}")));
         words.extend(self.map.iter().map(|entry| format!("{MAP}{entry}")));
+        words.extend(self.scale.iter().map(|entry| format!("scale {entry}")));
         words.extend(self.fit.map(|fit| match fit {
             Fit::Axis => "fit axis".to_owned(),
             Fit::FunctionalPoint => "fit functional-point".to_owned(),
@@ -146,6 +164,17 @@ impl CompensationOptions {
         }
         if let Some(fit) = self.fit {
             target.manifest.mechanism.fit(fit);
+        }
+        if !self.scale.is_empty() {
+            let Some(in_force) = scales(&self.scale) else {
+                let [least, most] = DriveScale::RANGE;
+                let expected = format!("axes, each once, with `=` and a number from {least} to {most}");
+                return call.usage(format!("--scale: `{}` is not {expected}", self.scale.join(",").escape_debug()));
+            };
+            if target.manifest.mechanism.scale().is_none() {
+                return call.usage(format!("--scale: the target `{name}` has no scale of drives in its files"));
+            }
+            target.manifest.mechanism.own_axis.iter_mut().for_each(|own| own.in_force.clone_from(&in_force));
         }
         let given = match axis_words(&self.map) {
             Ok(given) => given,

@@ -1,5 +1,6 @@
 //! Sets of tables: filled, rendered and read back, or found in a folder.
 
+use super::folder::Folder;
 use super::found_set::{self, FoundSet};
 use super::misread;
 use super::options::CompensationOptions;
@@ -9,6 +10,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::run::finite::not_finite;
 use crate::run::{Call, Refused};
+use crate::units::significant;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -51,6 +53,13 @@ pub(crate) fn render(
     refuse_no_letter(call, machine, target)?;
     found_set::refuse_assumed_axes(call, machine, target)?;
     refuse_short_travel(call, machine, target)?;
+    let scales = target.manifest.mechanism.own_axis.iter().flat_map(|own| &own.in_force);
+    let strange = |(name, _): &&(String, f64)| {
+        machine.axis_index(name).is_none_or(|axis| machine.axes()[axis].kind == AxisKind::Rotary)
+    };
+    if let Some((name, _)) = scales.clone().find(strange) {
+        return call.usage(format!("--scale: the chain has no linear axis `{name}`"));
+    }
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
@@ -67,6 +76,7 @@ pub(crate) fn render(
         return call.refuse(not_finite("correction"));
     }
     warn_left_out(call, machine, target, &tables);
+    warn_unknown_scales(call, machine, planner);
     let losses = installed.map(|(old, _)| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
     call.extend(losses);
     call.extend(limits.excesses(machine, &tables));
@@ -178,6 +188,58 @@ fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, 
     }
 }
 
+/// A scale in force that is farther than this from the one that the option states is another machine's: a part in a
+/// thousand. Controls print two or three decimals.
+const SAME_SCALE: f64 = 1e-3;
+
+/// Takes the scales of drives that files in force say, where the option says none. New scales replace them.
+pub(crate) fn take_scales(
+    call: &mut Call,
+    machine: &Machine,
+    target: &mut ControllerTarget,
+    installed: Option<&CorrectionTables>,
+) -> Result<(), Refused> {
+    let Some(own) = target.manifest.mechanism.own_axis.as_mut().filter(|own| own.scale.is_some()) else {
+        return Ok(());
+    };
+    for (axis, value) in installed.iter().flat_map(|tables| &tables.scales) {
+        let name = machine.axes()[*axis].name.to_string();
+        match own.in_force.iter().find(|(known, _)| *known == name) {
+            None => own.in_force.push((name, *value)),
+            Some((_, stated)) if (stated / value - 1.0).abs() <= SAME_SCALE => {}
+            Some((_, stated)) => {
+                let message = format!("--scale says {stated} for `{name}`, and the files in force say {value}");
+                let help = "give the number with which the machine was measured";
+                return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A scale that changes less than this over its travel is none, mm.
+const NO_SCALE_MM: f64 = 1e-3;
+
+/// Warns of scales that would be corrected if those in force were known.
+fn warn_unknown_scales(call: &mut Call, machine: &Machine, target: &ControllerTarget) {
+    let unknown = target.manifest.mechanism.unknown_scales(machine);
+    let said = |(axis, over): &(usize, f64)| {
+        let name = &machine.axes()[*axis].name;
+        (over.abs() > NO_SCALE_MM).then(|| (name.to_string(), format!("{} um of `{name}`", significant(over * 1e3, 3))))
+    };
+    let (names, said): (Vec<String>, Vec<String>) = unknown.iter().filter_map(said).unzip();
+    if !names.is_empty() {
+        let message = format!("no scale is written for {}: the scale in force is not known", said.join(", "));
+        let example: Vec<String> = names.iter().map(|name| format!("{name}=...")).collect();
+        let help = format!(
+            "give the numbers with which the machine was measured: --scale {}, or --installed DIR with the control's \
+             own settings (docs/controls/printers.md)",
+            example.join(",")
+        );
+        call.warn(Diagnostic::new(codes::W0718, message).help(help));
+    }
+}
+
 /// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
 fn read_back(
     call: &mut Call,
@@ -206,17 +268,7 @@ pub(crate) struct FoundTables {
     pub files: Vec<String>,
 }
 
-/// The tables in a folder, of whatever target they are.
-pub(crate) fn find(
-    call: &mut Call,
-    machine: &Machine,
-    folder: &Path,
-    options: &CompensationOptions,
-) -> Result<FoundTables, Refused> {
-    let set = found_set::find_set(call, machine, folder, None, options)?;
-    tables_of(call, machine, folder, set)
-}
-
+/// Reads the tables of a set.
 pub(crate) fn tables_of(
     call: &mut Call,
     machine: &Machine,
@@ -254,8 +306,15 @@ pub(crate) fn load_installed(
     let Some(folder) = folder else { return Ok(None) };
     // What is installed is there, whatever new tables are to be without.
     let options = CompensationOptions { without: Vec::new(), ..options.clone() };
-    let set = find(call, machine, folder, &options)?;
+    // Settings as a control prints them have any name, perhaps that of another target's file.
+    let settings = target.manifest.mechanism.scale().is_some() && Folder::new(folder, call.run.files).lock().is_none();
+    let named = settings.then(|| target.manifest.target.clone());
+    let found = found_set::find_set(call, machine, folder, named.as_deref(), &options)?;
+    let mut set = tables_of(call, machine, folder, found)?;
     call.check()?;
+    if set.target.manifest.mechanism.scale().is_some() {
+        set.tables = set.target.with_scales_in_force(set.tables);
+    }
     if set.target.manifest.target == target.manifest.target {
         if set.tables.senses.is_empty() {
             return Ok(Some(set.tables));

@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
-use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles};
+use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles, TravelEntry};
 use crate::units::counted;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ pub struct MachineFile {
     pub(crate) path: PathBuf,
     /// True if its tool was asked for by name.
     pub(crate) is_tool_asked: bool,
+    /// True if a travel is written in inches.
+    pub(crate) in_inches: bool,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,
 }
@@ -172,11 +174,13 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
     call.check()?;
     let machine = machine.ok_or(Refused)?;
+    let travels = document.iter().flat_map(|d| d.axes.values().flatten()).filter_map(|axis| axis.travel.as_ref());
+    let in_inches = travels.into_iter().any(TravelEntry::is_in_inches);
     let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
     let input_files = input_files(path, &sources, files);
     let (path, is_tool_asked) = (path.to_owned(), false);
-    let file = MachineFile { machine, identify, job, sources, path, is_tool_asked, warnings, input_files };
+    let file = MachineFile { machine, identify, job, sources, path, is_tool_asked, in_inches, warnings, input_files };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

@@ -59,6 +59,8 @@ pub struct Axis {
     pub sense: Sense,
     /// Its letter and number in the controller, where the file states them.
     pub controller: ControllerAxis,
+    /// The position (mm or deg) at which the control homes it, where the file states it.
+    pub home: Option<f64>,
 }
 
 impl Axis {

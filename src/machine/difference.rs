@@ -18,6 +18,8 @@ pub enum MachineProperty {
     Travel(AxisName),
     /// Letter and number of an axis in the controller; no deviation depends on them.
     Controller(AxisName),
+    /// The position at which the control homes an axis.
+    Home(AxisName),
     /// Gauge point, functional point and direction of the tool in use.
     Tool,
     /// Origin and rotation of the workpiece.
@@ -84,7 +86,8 @@ impl Machine {
             | MachineProperty::Origin(name)
             | MachineProperty::Sense(name)
             | MachineProperty::Travel(name)
-            | MachineProperty::Controller(name) => {
+            | MachineProperty::Controller(name)
+            | MachineProperty::Home(name) => {
                 let axis = parts.axes.iter_mut().find(|axis| axis.name == *name)?;
                 take(axis, theirs(name)?, property);
             }
@@ -179,6 +182,7 @@ fn axis_differences(a: &Axis, b: &Axis) -> Vec<MachineProperty> {
         (a.sign() != b.sign(), MachineProperty::Sense(name())),
         (a.travel != b.travel, MachineProperty::Travel(name())),
         (a.controller != b.controller, MachineProperty::Controller(name())),
+        (a.home != b.home, MachineProperty::Home(name())),
     ];
     all.into_iter().filter_map(|(differs, property)| differs.then_some(property)).collect()
 }
@@ -189,6 +193,7 @@ fn take(axis: &mut Axis, theirs: &Axis, property: &MachineProperty) {
         MachineProperty::Origin(_) => axis.origin = theirs.origin,
         MachineProperty::Sense(_) => axis.sense = theirs.sense,
         MachineProperty::Controller(_) => axis.controller = theirs.controller,
+        MachineProperty::Home(_) => axis.home = theirs.home,
         _ => axis.travel = theirs.travel,
     }
 }

@@ -146,6 +146,11 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
+    /// Returns the pose at which the control homes all axes (mm, deg); none if the file does not state it for each.
+    pub fn home(&self) -> Option<Pose> {
+        self.axes().iter().map(|axis| axis.home).collect()
+    }
+
     pub(in crate::machine) fn parts(&self) -> &MachineParts {
         &self.parts
     }

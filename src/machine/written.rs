@@ -78,7 +78,8 @@ fn axis_line(axis: &Axis, errors: &JointErrors, parts: &MachineParts) -> String 
     let (direction, origin) = (point(&axis.direction), point(&axis.origin));
     let other = other_side(axis, errors, parts).unwrap_or_default();
     let (name, known) = (&axis.name, controller(axis.controller));
-    let geometry = format!("direction: {direction}, origin: {origin}, travel: {travel}{sense}");
+    let home = axis.home.map_or_else(String::new, |home| format!(", home: {} {}", number(home), axis.unit()));
+    let geometry = format!("direction: {direction}, origin: {origin}, travel: {travel}{sense}{home}");
     format!("  {name}: {{ kind: {kind}, {geometry}{known}{other} }}\n")
 }
 

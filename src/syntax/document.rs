@@ -90,6 +90,9 @@ pub struct AxisEntry {
     /// Its letter or number in the controller, or both.
     #[schemars(schema_with = "super::schema_forms::controller_axis")]
     pub controller: Option<ControllerEntry>,
+    /// The position at which the control homes it.
+    #[schemars(schema_with = "super::schema_forms::home")]
+    pub home: Option<Scalar>,
     /// Geometry and errors when it carries the tool, over the plain keys.
     pub on_tool: Option<SideEntry>,
     /// Geometry and errors when it carries the workpiece, over the plain keys.

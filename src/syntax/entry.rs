@@ -140,6 +140,7 @@ fn sample(key: &str) -> Option<&'static str> {
         "chain" => "\"w C' A' Y' b X Z t\"",
         "branches" => "{ workpiece: [Y, A, C], tool: [X, Z] }",
         "travel" => "[0 mm, 500 mm]",
+        "home" => "0 mm",
         "direction" => "[0, 1, 1]",
         "origin" | "gauge" | "offset" => "[250, 225, 0]",
         "from" => "gauge",

@@ -30,6 +30,17 @@ pub enum TravelEntry {
     Range(Vec<Scalar>),
 }
 
+impl TravelEntry {
+    /// True if an end is written in inches.
+    pub fn is_in_inches(&self) -> bool {
+        let inch = |end: &Scalar| match end {
+            Scalar::Text(text) => text.trim_end().ends_with("in") || text.contains("inch"),
+            Scalar::Number(_) => false,
+        };
+        matches!(self, Self::Range(ends) if ends.iter().any(inch))
+    }
+}
+
 impl Forms for TravelEntry {
     const EXPECTING: &'static str = "[min, max] or continuous";
 

@@ -155,6 +155,11 @@ pub fn travel(generator: &mut SchemaGenerator) -> Schema {
     json_schema!({ "anyOf": [range, { "const": "continuous" }] })
 }
 
+/// The position at which an axis is homed.
+pub fn home(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": ["number", "null"] }, position()["anyOf"][1].clone()] })
+}
+
 /// A letter, a number, or both.
 pub fn controller_axis(_: &mut SchemaGenerator) -> Schema {
     let number = json!({ "type": "integer", "minimum": 1, "maximum": 65535 });

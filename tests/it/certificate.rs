@@ -234,7 +234,7 @@ fn the_worse_direction_counts() {
     }
 }
 
-/// The certificate states the value at the reference position and the step at the first motion.
+/// The certificate states what is added with all axes at 0, where no home is stated.
 #[test]
 fn what_happens_at_the_reference_position_is_said() {
     let folder = Folder::new();
@@ -247,7 +247,11 @@ fn what_happens_at_the_reference_position_is_said() {
     assert!((number(&json, "/at_reference/reverse/X") + 0.005).abs() < 5e-3 * 1e-5 + 1e-9);
     let text = Run::of(abbe().args(["verify"]).arg(&machine).arg(folder.path("out")));
     assert_eq!(text.code, Some(0), "{}", text.err);
-    assert!(text.out.contains("reference position") && text.out.contains("0.003 / -0.005 mm"), "{}", text.out);
+    assert!(
+        text.out.contains("With all axes at 0 the controller adds") && text.out.contains("0.003 / -0.005 mm"),
+        "{}",
+        text.out
+    );
 }
 
 #[test]

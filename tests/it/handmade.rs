@@ -79,9 +79,9 @@ const DEFECTS: [Defect; 11] = [
 ];
 
 /// Defects that are not refused. CRLF is a line's end to every controller here. A line of a key again, with the same
-/// value, changes nothing (RepRapFirmware and Marlin set it twice; Klipper's parser takes the last one). A file cut at
+/// value, changes nothing (RepRapFirmware, Marlin and Grbl set it twice; Klipper's parser takes the last one). A file cut at
 /// a line's end is whole to LinuxCNC and to ISG's reader, which have no end mark.
-const READ: [(&str, &str, Outcome); 10] = [
+const READ: [(&str, &str, Outcome); 12] = [
     ("linuxcnc", "half of the lines", Short),
     ("linuxcnc", "end gone", Short),
     ("isg-volcomp", "half of the lines", Short),
@@ -92,6 +92,8 @@ const READ: [(&str, &str, Outcome); 10] = [
     ("klipper", "twice over", Same),
     ("reprapfirmware", "point twice", Same),
     ("reprapfirmware", "twice over", Same),
+    ("grbl", "point twice", Same),
+    ("grbl", "twice over", Same),
 ];
 
 fn outcome(name: &str, defect: &str) -> Outcome {
@@ -128,7 +130,8 @@ fn every_defect_of_every_target_is_refused_or_read_and_said() {
         let path = if matches!(name, "klipper" | "marlin") { &three } else { &table };
         let machine = loaded::machine(path);
         let out = folder.path(name);
-        compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "300"]).json();
+        let scale: &[&str] = if name == "grbl" { &["--scale", "X=80,Y=80,Z=400"] } else { &[] };
+        compile(path, name, &out, &[&["--accept-unverified", "--poses", "1", "--nodes", "300"], scale].concat()).json();
         let target = ControllerTarget::builtin(name).unwrap();
         let files = replays::files(&out);
         let sound = replays::read(&target, &machine, &files).ok().unwrap();

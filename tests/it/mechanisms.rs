@@ -63,34 +63,49 @@ fn fanuc_in_both_directions() {
     let expected = [
         "%",
         "N03605Q1A1P00000001",
-        "N03620Q1A1P2",
+        "N03620Q1A1P8",
         "N03621Q1A1P1",
-        "N03622Q1A1P4",
+        "N03622Q1A1P16",
         "N03623Q1A1P1",
-        "N03624Q1A1M100.000",
+        "N03624Q1A1M25.000",
         "N03626Q1A1P101",
         "N03627Q1A1P-3",
-        "N10001Q0P3",
-        "N10002Q0P2",
-        "N10003Q0P3",
-        "N10004Q0P1",
-        "N10101Q0P4",
-        "N10102Q0P1",
-        "N10103Q0P4",
-        "N10104Q0P2",
-        "%",
     ];
-    assert_eq!(text.lines().collect::<Vec<_>>(), expected);
-    // Whole micrometres meet a whole curve; the look-up at the corrected command is 5 um on a slope of 3e-5.
-    assert!(number(&json, "/compensated/position_um/max") < 1e-3, "{json}");
+    assert_eq!(text.lines().take(9).collect::<Vec<_>>(), expected);
+    // 100 mm of a table by hand are four sections, none with more than a unit.
+    let increments: Vec<i32> = text
+        .lines()
+        .filter(|line| line.starts_with("N1"))
+        .map(|l| l.split('P').nth(1).unwrap().parse().unwrap())
+        .collect();
+    assert!(increments.iter().all(|n| n.abs() <= 1), "{text}");
+    assert_eq!(increments.chunks(4).map(|four| four.iter().sum()).collect::<Vec<i32>>(), [3, 2, 3, 1, 4, 1, 4, 2]);
+    // Straight lines leave half a unit of the rounding; the pulse at the worse end of its section one more.
+    assert!(number(&json, "/straight/position_um/max") < 0.51, "{json}");
+    assert!((0.9..1.51).contains(&number(&json, "/compensated/position_um/max")), "{json}");
     // Half a detection unit below the sum at every point, in both directions.
     let at: Vec<(usize, &str, f64)> = ["forward", "reverse"]
         .iter()
         .flat_map(|way| [-200.0, -150.0, 0.0, 100.0, 200.0].map(|q| (0, *way, q)))
         .collect();
     let found = replayed("fanuc-pitch", &machine, ("PITCH_X.TXT", &text), &at);
-    let um = [-5.0, -3.5, 0.0, 3.0, 4.0, -8.0, -6.0, -3.0, 1.0, 3.0];
+    let um = [
+        -5.0,
+        text_sum(&increments[..2]) - 5.0,
+        0.0,
+        3.0,
+        4.0,
+        -8.0,
+        text_sum(&increments[16..18]) - 8.0,
+        -3.0,
+        1.0,
+        3.0,
+    ];
     close(&found, &um.map(|um| um * 1e-3), 1e-12);
+}
+
+fn text_sum(increments: &[i32]) -> f64 {
+    f64::from(increments.iter().sum::<i32>())
 }
 
 /// B-63980EN/01 p. 100, example 2: reference point 60, 45 deg, farthest point in - again 60, in + 60 + 360 / 45 = 68; the

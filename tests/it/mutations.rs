@@ -78,6 +78,7 @@ fn comments(target: &str, file: &str) -> &'static [&'static str] {
         | "sinumerik-tcarr"
         | "sinumerik-chain"
         | "marlin"
+        | "grbl"
         | "heidenhain-com"
         | "heidenhain-kinematics"
         | "haas-mrzp"
@@ -249,7 +250,11 @@ fn holes(folder: &Folder, name: &str, of_each: Option<usize>) -> Vec<String> {
         _ => &three,
     };
     let out = folder.path(name);
-    compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "64"]).json();
+    let mut options = vec!["--accept-unverified", "--poses", "1", "--nodes", "64"];
+    if matches!(name, "marlin" | "grbl" | "klipper" | "reprapfirmware") {
+        options.extend(["--scale", "X=80,Y=80,Z=400"]);
+    }
+    compile(path, name, &out, &options).json();
     let machine = loaded::machine(path);
     let target = ControllerTarget::builtin(name).unwrap();
     let mut files = replays::files(&out);

@@ -60,7 +60,8 @@ fn every_target_is_told_by_its_content() {
             _ => &three,
         };
         let (out, found) = (folder.path(target), folder.path(&format!("{target}-found")));
-        compile(machine, target, &out, &FEW).json();
+        let scale: &[&str] = if target == "grbl" { &["--scale", "X=80,Y=80,Z=400"] } else { &[] };
+        compile(machine, target, &out, &[&FEW[..], scale].concat()).json();
         let before = verify(machine, &out, &["--poses", "40"]).json();
         renamed(&out, &found);
         let after = verify(machine, &found, &["--poses", "40"]);

@@ -125,9 +125,10 @@ fn sinumerik_replay() {
 #[test]
 fn fanuc_stores_increments_of_the_rounded_correction() {
     let pitch = written("fanuc-pitch", EXAMPLE, "PITCH_X.TXT", &[]);
-    // A = -5 -2 0 3 4 um.
-    close(&numbers(&pitch, "N1"), &[3.0, 2.0, 3.0, 1.0], 0.0);
-    let fields = ["N03620Q1A1P2", "N03621Q1A1P1", "N03622Q1A1P4", "N03624Q1A1M100.000", "N10001Q0P3", "N10004Q0P1"];
+    // A = -5 -2 0 3 4 um over 400 mm, in sections of which none has more than 1 um.
+    let sums: Vec<f64> = numbers(&pitch, "N1").chunks(4).map(|four| four.iter().sum()).collect();
+    close(&sums, &[3.0, 2.0, 3.0, 1.0], 0.0);
+    let fields = ["N03620Q1A1P8", "N03621Q1A1P1", "N03622Q1A1P16", "N03624Q1A1M25.000"];
     assert!(fields.iter().all(|field| pitch.lines().any(|line| line == *field)), "{pitch}");
     let folder = Folder::new();
     let harmonic = "ECC: { harmonics: { 1: [30 urad, 20 urad], 3: [7 urad, -9 urad] } }";
@@ -333,7 +334,7 @@ fn defects_are_said() {
         ("sinumerik-cec", "_N_NC_CEC_INI", |t| t.replacen("IS_MODULO[0]=0", "IS_MODULO[0]=1", 1), "would jump"),
         ("sinumerik-cec", "_N_NC_CEC_INI", |t| without(t, "M17"), "no line `M17`"),
         ("fanuc-pitch", "PITCH_X.TXT", |t| without(t, "N10002"), "point 2 is missing"),
-        ("fanuc-pitch", "PITCH_X.TXT", |t| t.replacen("N10002Q0P2", "N10002Q0P2.5", 1), "no increment"),
+        ("fanuc-pitch", "PITCH_X.TXT", |t| t.replacen("N10001Q0P", "N10001Q0P0.", 1), "no increment"),
         (
             "twincat-axis",
             "achskw_X.lis",

@@ -14,7 +14,7 @@ use crate::support::compile;
 use crate::support::controllers::Files;
 
 /// Tests with a target's vectors: of the file's text, and of the corrections.
-const VECTORS: [(&str, &str, &str); 27] = [
+const VECTORS: [(&str, &str, &str); 28] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
@@ -40,6 +40,7 @@ const VECTORS: [(&str, &str, &str); 27] = [
     ("reprapfirmware", "targets", "vectors"),
     ("klipper", "targets", "vectors"),
     ("marlin", "targets", "vectors"),
+    ("grbl", "scales", "scales"),
     ("grid-csv", "vectors", "vectors"),
     ("grid-json", "vectors", "vectors"),
 ];

@@ -124,8 +124,15 @@ impl CertificateView<'_> {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
         let steps = self.steps();
+        let straight = self.report.straight.as_ref().map_or_else(String::new, |of| {
+            let [p95, max] = [of.position_um.p95, of.position_um.max].map(|x| significant(x, 4));
+            format!(
+                "Compensated is with steps between points, at the worse end of each section. With straight lines, an \
+                 option of the control: position 95 % {p95} um, max {max} um.\n"
+            )
+        });
         let ratio = ratio(&before.position_um, &after.position_um);
-        format!("{table}\n{bands}{steps}{ratio}{raised}{}", self.reference_shift())
+        format!("{table}\n{bands}{steps}{straight}{ratio}{raised}{}", self.reference_shift())
     }
 
     /// Returns the figures after each step of a composed set.
@@ -249,10 +256,15 @@ impl CertificateView<'_> {
     fn cautions(&self) -> String {
         let manifest = &self.report.controller.manifest;
         let at_reference = &self.report.at_reference;
-        let mut text =
-            String::from("At the reference position (all axes at 0) the controller adds, forward / reverse:\n");
+        let axes = self.report.machine.axes();
+        let home = self.report.machine.home().map(|home| {
+            let at = |(axis, q): (&Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
+            axes.iter().zip(&home).map(at).collect::<Vec<_>>().join(", ")
+        });
+        let place = home.as_ref().map_or_else(|| "With all axes at 0".to_owned(), |home| format!("At home ({home})"));
+        let mut text = format!("{place} the controller adds, forward / reverse:\n");
         let added = at_reference.forward.values().zip(at_reference.reverse.values());
-        for (axis, (f, r)) in self.report.machine.axes().iter().zip(added) {
+        for (axis, (f, r)) in axes.iter().zip(added) {
             text.push_str(&format!(
                 "  {:4} {} / {} {}\n",
                 axis.name.to_string(),
@@ -261,7 +273,10 @@ impl CertificateView<'_> {
                 axis.unit()
             ));
         }
-        text.push_str("This is also the step at the first motion after switching the compensation on.\n");
+        text.push_str(match home {
+            Some(_) => "This is also the step at the first motion after switching the compensation on.\n",
+            None => "The step after switching it on is that where the axes are homed: state `home` of each axis.\n",
+        });
         text.push_str("This target cannot correct:\n");
         manifest.cannot.iter().for_each(|line| text.push_str(&format!("  - {line}\n")));
         text.push_str(&format!("Test the sign before cutting: {}\n", manifest.sign_test.trim()));

@@ -21,10 +21,13 @@ pub struct Certificate {
     pub errors: Vec<SingleErrorResidual>,
     /// The number of poses that the figures of single errors rest on.
     pub single_error_poses: usize,
-    /// The motions that are added with all axes at 0, approached forward and in reverse (mm, deg).
+    /// The motions that are added at home, or with all axes at 0 where the file states no home, approached forward and
+    /// in reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
     /// The effect of a new reference position, where tables must vanish at it.
     pub shifted: Option<ZeroShift>,
+    /// Figures with straight lines between points, where the control has them as an option; else they step.
+    pub straight: Option<Figures>,
     /// Figures that are larger with the files than without them.
     pub raised: Vec<RaisedFigure>,
     /// Figures of kinematic parameters by tool and by what a block programs; none of other mechanisms.

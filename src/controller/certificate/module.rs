@@ -44,7 +44,7 @@ pub(in crate::controller) fn judge_module(
     let driven = set.tables.beside(machine, set.module);
     let bare = Bare { machine, order: Order::Exact };
     let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
-    let zero = vec![0.0; machine.axes().len()];
+    let home = machine.home().unwrap_or_else(|| vec![0.0; machine.axes().len()]);
     let single = nominal(machine, single_error_poses(&poses));
     // The largest motion that the module alone adds to correct the position.
     let positioning = set.module.clone().without_orientation();
@@ -56,8 +56,9 @@ pub(in crate::controller) fn judge_module(
         compensated,
         errors: single_errors.par_iter().map(|one| judge_single(machine, set.tables.target, one, &single)).collect(),
         single_error_poses: single.len(),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at_pose(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at_pose(&home))),
         shifted: None,
+        straight: None,
         raised,
         programming: set
             .module

@@ -88,6 +88,8 @@ pub(super) struct SetOfTables<'a> {
     pub target: &'a ControllerTarget,
     pub tables: &'a CorrectionTables,
     pub single_errors: &'a SingleErrors,
+    /// The fraction of a section at which tables step; none for straight lines.
+    pub step_at: Option<f64>,
 }
 
 impl SetOfTables<'_> {
@@ -115,6 +117,7 @@ impl SetOfTables<'_> {
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, ..set.tables.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
+        let replay = self.step_at.into_iter().fold(replay, Replay::stepping_at);
         judge_one(set.error.clone(), &alone, poses, |_, at| replay.addition(at))
     }
 }

@@ -2,16 +2,19 @@
 
 use super::Certificate;
 use super::depth::{Depth, single_error_poses};
-use super::figures::{Judgement, judge};
+use super::figures::{Judgement, approaches, figures, judge};
 use super::sign_test::strongest;
 use super::single_error::SetOfTables;
 use super::zero_shift::{Shiftable, ZeroShift};
 use crate::compensation::{CorrectionTables, Reference, SingleErrors, Spacing, TableRules};
 use crate::controller::kinematics::{KinematicsModule, ModuleField};
-use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{ControllerTarget, Interpolation};
 use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::{Bare, Order};
 use crate::machine::{Approach, Machine, OperatingPoint};
+
+/// Poses over which both ends of sections are compared.
+const ENDS: Depth = Depth { poses: 200, seed: 1 };
 
 /// The tables that a certificate is about.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +38,25 @@ impl<'a> TablesUnderTest<'a> {
         ModuleField::new(machine, module).beside(self.replay(machine))
     }
 
+    /// Returns the controller with the tables. Where they may act in steps, these come at the end of each section that
+    /// is worse: where in it they come is not known, and the ends leave most.
     fn replay(&self, machine: &'a Machine) -> Replay<'a> {
-        let load = |tables| Replay::new(machine, self.target, tables);
+        let straight = self.replay_with(machine, |replay| replay);
+        if self.target.manifest.controller.interpolation == Interpolation::Linear {
+            return straight;
+        }
+        let poses = ENDS.poses(machine);
+        let stepping = [0.0, 1.0].map(|at| self.replay_with(machine, |replay| replay.stepping_at(at)));
+        let p95 = |replay: &Replay<'a>| {
+            let field = Compensated { machine, replay: replay.clone() };
+            let of = |from: &Approach| figures(&field, &poses, (*from).into()).position_um.p95;
+            approaches(machine).iter().map(of).fold(0.0, f64::max)
+        };
+        stepping.into_iter().max_by(|a, b| p95(a).total_cmp(&p95(b))).unwrap_or(straight)
+    }
+
+    fn replay_with(&self, machine: &'a Machine, set: impl Fn(Replay<'a>) -> Replay<'a>) -> Replay<'a> {
+        let load = |tables| set(Replay::new(machine, self.target, tables));
         load(self.tables).over(self.installed.map(load))
     }
 }
@@ -53,7 +73,7 @@ pub(in crate::controller) fn judge_tables(
     let bare = Bare { machine, order: Order::Exact };
     let compensated = judged.field(machine);
     let Judgement { approach, uncompensated, compensated: left, raised } = judge(&bare, &compensated, &poses);
-    let zero = vec![0.0; machine.axes().len()];
+    let home = machine.home().unwrap_or_else(|| vec![0.0; machine.axes().len()]);
     let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
     let vanishing = target.manifest.mechanism.iter().any(|(_, rules)| fixed(rules));
     let shifted = || {
@@ -66,8 +86,13 @@ pub(in crate::controller) fn judge_tables(
             alone_um: Shiftable { field: &bare, added: &nothing }.best_shift(&poses, approach.into()).1,
         }
     };
-    let replay = Replay::new(machine, target, tables);
-    let set = SetOfTables { machine, target, tables, single_errors };
+    let replay = &compensated.replay;
+    let step_at = replay.step_at();
+    let straight = || {
+        let replay = judged.replay_with(machine, |replay| replay);
+        figures(&Compensated { machine, replay }, &poses, approach.into())
+    };
+    let set = SetOfTables { machine, target, tables, single_errors, step_at };
     let (errors, single_error_poses) = set.judge(single_error_poses(&poses));
     Certificate {
         poses: poses.len(),
@@ -76,9 +101,10 @@ pub(in crate::controller) fn judge_tables(
         compensated: left,
         errors,
         single_error_poses,
-        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at_pose(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at_pose(&home))),
         shifted: vanishing.then(shifted),
         raised,
+        straight: (target.manifest.controller.interpolation == Interpolation::StepOrLinear).then(straight),
         programming: Vec::new(),
         strongest: strongest(machine, tables, &poses, |at| replay.addition(at)),
     }

@@ -142,6 +142,8 @@ impl TableWords<'_> {
             cells => if table.axes.len() > 1 { self.cells(table, rules) } else { Value::UNDEFINED },
             rows => if table.axes.len() == 2 { self.matrix(table, rules) } else { Value::UNDEFINED },
             slope => self.slope(table, rules),
+            scale => self.scale(table).map(|[now, _]| now),
+            scale_before => self.scale(table).map(|[_, before]| before),
             magnification => decimal_text(rules.magnification_of(self.machine, table), 0),
             rolled => if self.rolls(rules) { self.roll(table, rules) } else { Value::UNDEFINED },
             factors => self.factors(table, rules, tables[0].number),
@@ -316,6 +318,15 @@ impl TableWords<'_> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let last = *table.values.last()?;
         (rules.spacing == Spacing::Line).then(|| decimal_text(column.to_stored(last, None), column.decimals()))
+    }
+
+    /// The scale of a drive, and the one in force before.
+    fn scale(&self, table: &CorrectionTable) -> Option<[String; 2]> {
+        let own = self.target.manifest.mechanism.own_axis.as_ref()?;
+        let (_, in_force) = self.tables.scales.iter().find(|(axis, _)| table.axes[0] == *axis)?;
+        let now = own.scale.filter(|_| table.is_own_axis())?.stored(*in_force, table.slope_of_line());
+        // The one before as it is known: what takes it back must be what was there.
+        Some([decimal_text(now, own.table.increment.correction_decimals), in_force.to_string()])
     }
 
     /// Curves of errors: the constants, and a block for every axis.

@@ -1,6 +1,6 @@
 //! New tables on top of those that are installed on the machine.
 
-use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables, Crowded, LatticeRequest, Spacing};
+use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables, Crowded, LatticeRequest, Spacing, round};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
@@ -80,6 +80,22 @@ impl ControllerTarget {
             let old: Vec<f64> = installed.errors.iter().filter(of_axis).flat_map(|old| old.positions.clone()).collect();
             curve.add_points(&old, rules.max_points);
         }
+    }
+
+    /// Returns tables whose scales are those in force once they are loaded: a new one replaces them.
+    pub fn with_scales_in_force(&self, tables: CorrectionTables) -> CorrectionTables {
+        let mechanisms = &self.manifest.mechanism;
+        let (lines, others): (Vec<_>, Vec<_>) = tables.tables.into_iter().partition(|table| mechanisms.is_scale(table));
+        let now = |(axis, before): (usize, f64)| {
+            let line = lines.iter().find(|line| line.axes[0] == axis);
+            let own = mechanisms.own_axis.as_ref().and_then(|own| Some((own.scale?, own.table.increment)));
+            let now = line.zip(own).map(|(line, (scale, increment))| {
+                round(scale.stored(before, line.slope_of_line()), increment.correction_decimals)
+            });
+            (axis, now.unwrap_or(before))
+        };
+        let scales = tables.scales.into_iter().map(now).collect();
+        CorrectionTables { tables: others, scales, ..CorrectionTables::default() }
     }
 
     /// Warns of installed points that fall between the points of the new tables: W0704.

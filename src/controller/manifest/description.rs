@@ -107,6 +107,10 @@ pub enum LookupPosition {
 pub enum Interpolation {
     /// Straight lines; multilinear on a lattice.
     Linear,
+    /// A step somewhere in the section between two points of a table over one axis.
+    Step,
+    /// The one or the other, by an option of the control.
+    StepOrLinear,
 }
 
 /// Outside the table.

@@ -37,6 +37,8 @@ pub struct LineSpec {
     pub end: bool,
     /// The end of a block that it marks.
     pub block: Option<Edge>,
+    /// The reason why a file with such a line is refused.
+    pub refuse: Option<String>,
     /// Fields that it sets besides those in angle brackets.
     #[serde(default)]
     pub set: BTreeMap<String, String>,
@@ -162,6 +164,10 @@ pub struct ArchiveForm {
     pub numbered: bool,
     /// True if lines are words of a letter and a number, blanks between them or not, for several axes.
     pub punch: bool,
+    /// Texts before lines, such as those of a log.
+    pub prefixes: Vec<String>,
+    /// Commands with several words, which become a line for each; a word that begins with `S` stays in all.
+    pub split: Vec<String>,
     /// Words that stand in such lines and say nothing, such as the path `L1`.
     pub silent: Vec<String>,
     /// The word after the number where a punch leaves it out, from which number on.

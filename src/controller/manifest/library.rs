@@ -47,6 +47,7 @@ targets! {
     "reprapfirmware": "heightmap.j2" "m556.j2" "target.yaml";
     "klipper": "skew.j2" "target.yaml";
     "marlin": "skew.j2" "target.yaml";
+    "grbl": "settings.j2" "target.yaml";
     "grid-csv": "corrections.csv.j2" "target.yaml";
     "grid-json": "corrections.json.j2" "target.yaml";
 }

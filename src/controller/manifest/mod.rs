@@ -11,8 +11,8 @@ mod library;
 mod soundness;
 
 pub use description::{
-    Arithmetic, AxisLetters, Certainty, Controller, FileLayout, FileSpec, LookupPosition, Manifest, OutsideTable, Per,
-    TableColumn,
+    Arithmetic, AxisLetters, Certainty, Controller, FileLayout, FileSpec, Interpolation, Level, LookupPosition,
+    Manifest, OutsideTable, Per, TableColumn,
 };
 pub use forms::{ArchiveForm, Edge, Index, JointOrder, KindSetting, LineSpec, TextFrame, UnitSetting};
 pub use letters::{AssignedAxis, axis_letters, by_number};

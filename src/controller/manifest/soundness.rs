@@ -2,8 +2,8 @@
 
 use super::{FileLayout, Manifest, Per, TableColumn};
 use crate::compensation::{
-    Encoding, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, ParameterRules, Spacing, Stored,
-    TableRules,
+    Encoding, Fit, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, OwnAxisRules, ParameterRules,
+    Spacing, Stored, TableRules,
 };
 
 impl Manifest {
@@ -51,8 +51,18 @@ impl Manifest {
             let rules = self.mechanism.own_axis.as_ref()?;
             layouts().find_map(|l| l.fault(rules.table.directions.is_bidirectional()))
         };
-        self.mechanism.iter().find_map(|(name, rules)| fault(name, rules)).or_else(columns)
+        let scale = || self.mechanism.own_axis.as_ref().and_then(unfit_scale);
+        self.mechanism.iter().find_map(|(name, rules)| fault(name, rules)).or_else(scale).or_else(columns)
     }
+}
+
+/// A scale is a line, of what the functional point sees.
+fn unfit_scale(own: &OwnAxisRules) -> Option<String> {
+    let TableRules { spacing, fit, stored, directions, .. } = &own.table;
+    let line = (*spacing, *fit, *stored) == (Spacing::Line, Fit::FunctionalPoint, Stored::Correction);
+    let fits = line && !directions.is_bidirectional() && !own.every_axis;
+    (own.scale.is_some() && !fits)
+        .then(|| "scale: with spacing: line, fit: functional_point, stored: correction, and nothing else".to_owned())
 }
 
 fn decimals_fault(increment: Increment) -> Option<String> {

@@ -25,8 +25,23 @@ pub(super) fn open<'t>(
     comment: Option<&str>,
     text: &'t str,
 ) -> Result<OpenedText<'t>, Fault> {
+    open_with(form, comment, &[], text)
+}
+
+/// Opens a text; comments that fit a pattern stay.
+pub(super) fn open_with<'t>(
+    form: Option<&ArchiveForm>,
+    comment: Option<&str>,
+    kept: &[&str],
+    text: &'t str,
+) -> Result<OpenedText<'t>, Fault> {
     let mut opened = OpenedText::default();
     for (number, line) in text.lines().enumerate() {
+        let line = form.map_or(line, |form| without_prefixes(form, line));
+        if kept.iter().any(|pattern| patterns::fits(pattern, line.trim())) {
+            opened.lines.push((number, Cow::Borrowed(line.trim())));
+            continue;
+        }
         let bare = comment.map_or(line, |mark| line.split(mark).next().unwrap_or_default()).trim();
         let Some(form) = form else {
             if !bare.is_empty() || comment.is_none() {
@@ -43,6 +58,8 @@ pub(super) fn open<'t>(
         opened.archive |= checked || form.header.iter().any(|pattern| patterns::fits(pattern, bare));
         if form.punch && bare.starts_with('N') {
             let words = lines_of_punch(form, bare).ok_or_else(|| Fault::new(number, "this is no line of a punch"))?;
+            opened.lines.extend(words.into_iter().map(|line| (number, Cow::Owned(line))));
+        } else if let Some(words) = lines_of_words(form, bare) {
             opened.lines.extend(words.into_iter().map(|line| (number, Cow::Owned(line))));
         } else {
             opened.lines.push((number, Cow::Borrowed(bare)));
@@ -73,6 +90,21 @@ impl FileLayout {
             diagnostics.push(Diagnostic::new(codes::W0716, message).help(help));
         }
     }
+}
+
+/// The line behind what stands before it in a log.
+fn without_prefixes<'t>(form: &ArchiveForm, line: &'t str) -> &'t str {
+    let behind = |line: &'t str, prefix: &String| line.trim_start().strip_prefix(&**prefix).unwrap_or(line);
+    form.prefixes.iter().fold(line, behind)
+}
+
+/// A line for each word of a command of several; none of another line.
+fn lines_of_words(form: &ArchiveForm, line: &str) -> Option<Vec<String>> {
+    let mut words = line.split_whitespace();
+    let command = words.next().filter(|word| form.split.iter().any(|known| known == word))?;
+    let (common, own): (Vec<&str>, Vec<&str>) = words.partition(|word| word.starts_with('S'));
+    let head = [&[command][..], &common].concat().join(" ");
+    Some(own.iter().map(|word| format!("{head} {word}")).collect())
 }
 
 /// The line before a check word, and true if there was one.

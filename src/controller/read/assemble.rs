@@ -3,7 +3,9 @@
 use super::lines::{Fields, TableFields};
 use super::products::{TableEntry, multiply};
 use super::{Fault, ReadContext, number};
-use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables, Encoding, PlaneGrid, TableRules};
+use crate::compensation::{
+    AxisErrorCurve, CorrectionTable, CorrectionTables, DriveScale, Encoding, PlaneGrid, TableRules,
+};
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
@@ -15,7 +17,12 @@ pub(super) fn tables(reading: &ReadContext, records: &[TableFields]) -> Result<C
     let mut read: Vec<TableEntry> = Vec::new();
     for record in records.iter().filter(|record| !named || !record.name.is_empty()) {
         let assembly = Assembly { reading, record, common: common.map(|c| &c.fields) };
-        if assembly.number("slope")? == Some(0.0) {
+        if record.archive && record.fields.contains_key("ignored") {
+            // Another section of an archive.
+        } else if let Some(scaled) = assembly.scale()? {
+            all.scales.push((scaled.axis, scaled.in_force));
+            read.extend(scaled.table.map(|table| TableEntry { table, times: 0, record }));
+        } else if assembly.number("slope")? == Some(0.0) {
             // A line without a slope adds nothing, whether the machine has its axes or not.
         } else if reading.target.manifest.mechanism.error_curves.is_some() {
             all.errors.push(assembly.error()?);
@@ -28,6 +35,15 @@ pub(super) fn tables(reading: &ReadContext, records: &[TableFields]) -> Result<C
     }
     all.tables = multiply(reading, read)?;
     Ok(all)
+}
+
+/// The scale of a drive that a file sets.
+struct DriveLine {
+    axis: usize,
+    /// The number in force before.
+    in_force: f64,
+    /// The change; none of a control's own archive.
+    table: Option<CorrectionTable>,
 }
 
 /// Endings of the names of fields, dimension by dimension.
@@ -137,7 +153,7 @@ impl Assembly<'_> {
     /// A line through position 0.
     fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
-        let slope = self.need_number("slope")?;
+        let slope = self.need_number("slope")? * 1000.0 / self.number("over")?.unwrap_or(1000.0);
         if rules.largest.is_some_and(|max| slope.abs() > max) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
@@ -145,6 +161,39 @@ impl Assembly<'_> {
         table.nodes = vec![vec![0.0, 1000.0]];
         table.values = vec![0.0, far];
         Ok(table)
+    }
+
+    /// Reads the scale of a drive: the line of an axis over itself, against the number before it.
+    /// In the control's own archive the number is the one in force.
+    fn scale(&self) -> Result<Option<DriveLine>, Fault> {
+        let number = |name: &str| {
+            let Some(value) = self.number(name)? else { return Ok(None) };
+            let [least, most] = DriveScale::RANGE;
+            let line = self.field(name).map_or(0, |(_, line)| *line);
+            let sound = (least..=most).contains(&value);
+            sound.then_some(Some(value)).ok_or_else(|| Fault::new(line, format!("`{value}` is no scale of a drive")))
+        };
+        let mechanisms = &self.reading.target.manifest.mechanism;
+        let (now, before) = (number("scale")?, number("scale_before")?);
+        let Some((own, scale)) = mechanisms.own_axis.as_ref().zip(mechanisms.scale()) else { return Ok(None) };
+        if (now, before) == (None, None) {
+            return Ok(None);
+        }
+        let axis = self.axes("input")?[0];
+        match (now, before) {
+            (Some(in_force), None) if self.record.archive => Ok(Some(DriveLine { axis, in_force, table: None })),
+            (Some(now), Some(in_force)) => {
+                let mut table = CorrectionTable::curve(axis, vec![0.0, 1000.0], axis, Vec::new());
+                table.set_slope_of_line(scale.slope(in_force, now));
+                self.check(&table, &own.table)?;
+                Ok(Some(DriveLine { axis, in_force, table: Some(table) }))
+            }
+            (Some(_), None) => Err(self.fault(
+                "the number before this one is not there, in the comment that would take it back: nothing says what \
+                 the line changes",
+            )),
+            _ => Err(self.fault("the number that takes this one's place is not there")),
+        }
     }
 
     pub fn kind(&self, axis: usize) -> AxisKind {

@@ -62,7 +62,10 @@ struct Progress {
 }
 
 pub(super) fn records(format: LineFormat, text: &str) -> Result<Vec<TableFields>, Fault> {
-    let opened = archive::open(format.archive, format.comment, text)?;
+    // Comments that a manifest reads: numbers that the controller has no place for.
+    let kept = format.lines.iter().map(|spec| &*spec.line);
+    let kept: Vec<&str> = kept.filter(|line| format.comment.is_some_and(|mark| line.starts_with(mark))).collect();
+    let opened = archive::open_with(format.archive, format.comment, &kept, text)?;
     let form = format.archive.filter(|_| opened.archive);
     let specs: Vec<&LineSpec> = format.lines.iter().chain(form.iter().flat_map(|form| &form.lines)).collect();
     let patterns: Vec<Vec<PatternPiece>> = specs.iter().map(|spec| pieces(&spec.line)).collect();
@@ -102,6 +105,9 @@ impl Progress {
         fields: Vec<(String, String)>,
     ) -> Result<(), Fault> {
         self.met[which] = true;
+        if let Some(reason) = &spec.refuse {
+            return Err(Fault::new(number, &**reason));
+        }
         match self.ended {
             Some(_) if spec.end => return Ok(()),
             Some(end) => {
@@ -201,7 +207,8 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
     for (slot, key) in index.iter_mut().zip(["index", "index_2", "index_3"]) {
         let Some(text) = said.remove(key) else { continue };
         given = true;
-        let parsed: Option<usize> = text.trim().parse().ok().filter(|i| *i < MAX_POINTS);
+        let digits = text.trim().bytes().all(|byte| byte.is_ascii_digit());
+        let parsed: Option<usize> = text.trim().parse().ok().filter(|i| digits && *i < MAX_POINTS);
         *slot = parsed.ok_or_else(|| Fault::new(line, format!("`{text}` is no number of a point")))?;
     }
     Ok(if given { index } else { [next, 0, 0] })

@@ -54,6 +54,10 @@ impl Assembly<'_> {
         }
         let (place, column) = (StoredPosition { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
         let step = self.need_number("step")?;
+        if step <= 0.0 {
+            let line = self.field("step").map_or(0, |(_, line)| *line);
+            return Err(Fault::new(line, format!("an interval of {step} is none")));
+        }
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
             sums.iter().map(|s| column.correction(s - sums[zero] + start, None)).collect()

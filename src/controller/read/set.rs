@@ -106,6 +106,7 @@ impl ControllerTarget {
                     Ok(read) => {
                         all.tables.extend(read.tables);
                         all.errors.extend(read.errors);
+                        all.scales.extend(read.scales);
                     }
                     Err(fault) => fault.report(file, diagnostics),
                 }

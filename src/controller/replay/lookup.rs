@@ -40,6 +40,12 @@ pub(super) fn between(positions: &[f64], values: &[f64], position: f64, outside:
     }
 }
 
+/// Returns the value of a table whose values change in steps, at this fraction of the section between two nodes.
+pub(super) fn stepped(nodes: &[f64], values: &[f64], position: f64, outside: OutsideTable, at: f64) -> f64 {
+    let (low, high, fraction) = cell(nodes, position, outside).unwrap_or_default();
+    values[if fraction > at { high } else { low }]
+}
+
 /// Returns the value in LinuxCNC's arithmetic: each entry keeps its trim and the slope to the next entry as `float`;
 /// the sum is a `double`. Below the first and above the last entry its value is held.
 pub(super) fn single_precision(positions: &[f64], values: &[f64], position: f64) -> f64 {

@@ -1,11 +1,11 @@
 //! The controllers' arithmetic on their tables. It is written from measurements on each controller or its documents,
 //! not from the code that filled the tables.
 
-use super::lookup::{between, cell, period, single_precision};
+use super::lookup::{between, cell, period, single_precision, stepped};
 use super::model;
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::manifest::ControllerTarget;
-use crate::controller::manifest::{Arithmetic, Controller, LookupPosition, OutsideTable};
+use crate::controller::manifest::{Arithmetic, Controller, Interpolation, LookupPosition, OutsideTable};
 use crate::evaluate::{Deviation, Field, commanded_deviation};
 use crate::machine::{Approach, Machine, OperatingPoint};
 
@@ -19,6 +19,10 @@ pub struct Replay<'a> {
     modulo: Vec<bool>,
     /// True for each table that is a factor: a line has no end.
     factors: Vec<bool>,
+    /// True if tables of an axis over itself are the scale of its drive.
+    scaled: bool,
+    /// The fraction of a section at which a table steps to its next value; none for straight lines.
+    step_at: Option<f64>,
     /// The tables in force when the machine was measured: its errors are their residual.
     installed: Option<Box<Replay<'a>>>,
 }
@@ -30,12 +34,26 @@ impl<'a> Replay<'a> {
         let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
         let line = |t| mechanisms.rules(t).is_some_and(|rules| rules.spacing == Spacing::Line);
         let factors = tables.tables.iter().map(line).collect();
-        Self { machine, tables, controller: target.manifest.controller, modulo, factors, installed: None }
+        let scaled = mechanisms.own_axis.as_ref().is_some_and(|own| own.scale.is_some());
+        let controller = target.manifest.controller;
+        // In which of two ways the control is set is not in its files.
+        let step_at = (controller.interpolation == Interpolation::Step).then_some(1.0);
+        Self { machine, tables, controller, modulo, factors, scaled, step_at, installed: None }
     }
 
     /// Replaces tables that were in force when the machine's errors were measured.
     pub fn over(self, installed: Option<Self>) -> Self {
         Self { installed: installed.map(Box::new), ..self }
+    }
+
+    /// The fraction of a section at which a table steps to its next value; none for straight lines.
+    pub fn step_at(&self) -> Option<f64> {
+        self.step_at
+    }
+
+    /// Changes values in steps, at a fraction of the section between two points from 0 to 1.
+    pub fn stepping_at(self, fraction: f64) -> Self {
+        Self { step_at: Some(fraction), ..self }
     }
 
     /// Returns the motions that the controller adds to a command (mm, deg).
@@ -47,13 +65,14 @@ impl<'a> Replay<'a> {
             self.tables.senses.iter().for_each(|(axis, sense)| added[*axis] *= sense);
         }
         let moved = |added: &[f64]| -> Vec<f64> { command.iter().zip(added).map(|(q, c)| q + c).collect() };
+        let scale = |table: &CorrectionTable| self.scaled && table.axes.len() == 1 && table.axes == table.corrected;
         match self.controller.lookup {
-            LookupPosition::Command => self.add_tables(at, &mut added, |_| true),
+            LookupPosition::Command => self.add_tables(at, &mut added, |table| !scale(table)),
             LookupPosition::LinesThenPlanes => {
-                let line = |table: &CorrectionTable| table.axes.len() == 1;
+                let line = |table: &CorrectionTable| table.axes.len() == 1 && !scale(table);
                 self.add_tables(at, &mut added, line);
                 let moved = moved(&added);
-                self.add_tables(&at.conditions.at_pose(&moved), &mut added, |table| !line(table));
+                self.add_tables(&at.conditions.at_pose(&moved), &mut added, |table| table.axes.len() > 1);
             }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
             LookupPosition::Corrected => {
@@ -62,9 +81,15 @@ impl<'a> Replay<'a> {
                 order.dedup();
                 for axis in order {
                     let moved = moved(&added);
-                    self.add_tables(&at.conditions.at_pose(&moved), &mut added, |table| table.corrected[0] == axis);
+                    let of_axis = |table: &CorrectionTable| table.corrected[0] == axis && !scale(table);
+                    self.add_tables(&at.conditions.at_pose(&moved), &mut added, of_axis);
                 }
             }
+        }
+        if self.scaled {
+            // Of the motors: what all else has made of the command.
+            let moved = moved(&added);
+            self.add_tables(&at.conditions.at_pose(&moved), &mut added, scale);
         }
         if let Some(installed) = &self.installed {
             let before = installed.addition(at);
@@ -77,7 +102,9 @@ impl<'a> Replay<'a> {
         let looked_up = self.modulo.iter().zip(&self.factors);
         for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
-                let position = self.lookup_position(table, 0, *axis, at.axes[*axis], *modulo);
+                // Steps count from where the axis was homed.
+                let home = self.machine.axes()[*axis].home.filter(|_| *factor && axis == corrected).unwrap_or(0.0);
+                let position = self.lookup_position(table, 0, *axis, at.axes[*axis] - home, *modulo);
                 let outside = if *factor { OutsideTable::Extrapolate } else { self.controller.outside };
                 added[*corrected] += self.curve(table, position, at.conditions.approach, outside);
                 continue;
@@ -91,9 +118,10 @@ impl<'a> Replay<'a> {
 
     /// Returns the value of a table over one axis at a position.
     fn curve(&self, table: &CorrectionTable, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
-        let column = |values: &[f64]| match (self.controller.arithmetic, outside) {
+        let column = |values: &[f64]| match (self.controller.arithmetic, self.step_at) {
+            (Arithmetic::Float64, Some(at)) => stepped(&table.nodes[0], values, position, outside, at),
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
-            (Arithmetic::Float64, outside) => between(&table.nodes[0], values, position, outside),
+            (Arithmetic::Float64, None) => between(&table.nodes[0], values, position, outside),
         };
         let Some(reverse) = &table.reverse else { return column(&table.values) };
         match approach {

@@ -19,6 +19,7 @@ pub struct AxisDraft {
     pub kind: Option<AxisKind>,
     pub sense: Option<Sense>,
     pub controller: ControllerAxis,
+    pub home: Option<f64>,
     /// The plain keys.
     pub plain: SideDraft,
     /// The blocks `on_tool` and `on_workpiece`.
@@ -112,6 +113,7 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
         kind: None,
         sense: None,
         controller: ControllerAxis::default(),
+        home: None,
         plain,
         on_tool,
         on_workpiece,
@@ -133,7 +135,20 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
         side.map(|(side, kind)| block(context, &name, kind, side, &below(&at, block_key(branch)))).unwrap_or_default()
     });
     let controller = controller(context, &name, entry, &at);
-    Some(AxisDraft { kind, sense, controller, plain, on_tool, on_workpiece, ..unknown })
+    let home = kind.zip(entry.home.as_ref()).and_then(|(kind, written)| home(context, kind, written, travel, &at));
+    Some(AxisDraft { kind, sense, controller, home, plain, on_tool, on_workpiece, ..unknown })
+}
+
+/// Returns the position at which an axis is homed; one beyond the travel is refused.
+fn home(context: &mut Context, kind: AxisKind, written: &Scalar, travel: Option<Travel>, at: &Keys) -> Option<f64> {
+    let here = below(at, "home");
+    let home = context.position(written, kind, &here)?;
+    let Some(Travel::Range(min, max)) = travel.filter(|travel| !travel.contains(home)) else { return Some(home) };
+    let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+    let message = format!("`{}` is {home} {unit}, beyond the travel from {min} to {max} {unit}", dotted_path(&here));
+    let help = "write the position that the control shows after homing";
+    context.at_value(codes::E0403, &here, message, help);
+    None
 }
 
 /// Returns the letter and the number that an entry gives the axis in the controller.

@@ -154,6 +154,7 @@ fn in_chain(
             branch,
             sense: draft.sense.unwrap_or(conventions.workpiece_axes),
             controller: draft.controller,
+            home: draft.home,
         })
     });
     walk.collect()

@@ -341,6 +341,7 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "poses": certificate.poses, "direction": certificate.approach,
         "uncompensated": certificate.uncompensated, "compensated": certificate.compensated,
         "errors": errors.iter().map(error).collect::<Vec<_>>(),
+        "home": machine.home().is_some(),
         "at_reference": {"forward": by_axis(&certificate.at_reference[0]),
             "reverse": by_axis(&certificate.at_reference[1])},
     })

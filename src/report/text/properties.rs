@@ -82,6 +82,10 @@ pub(crate) fn describe(
             let words = |axis: &Axis| axis.controller.words().join(", ");
             ("controller", name.to_string(), of_axis(name, words), None)
         }
+        MachineProperty::Home(name) => {
+            let words = |axis: &Axis| axis.home.map_or_else(|| "none".to_owned(), |q| plain(&[q]) + " " + axis.unit());
+            ("home", name.to_string(), of_axis(name, words), None)
+        }
         MachineProperty::Tool => ("tool", String::new(), both.map(|m| tool(m.tool())), None),
         MachineProperty::Workpiece => ("workpiece", String::new(), both.map(workpiece), None),
         MachineProperty::Conventions => ("conventions", String::new(), conventions(first, second), None),
