@@ -90,7 +90,8 @@ pub struct Conventions {
     pub location_order: LocationOrder,
     /// Shape of error matrices.
     pub joints: Joints,
-    /// Order used when the command line names none (`hrdina-vasik-2014` is of order 1, `holub-2015` of order 2); `None` is exact.
+    /// Order used when the command line names none (`hrdina-vasik-2014` is of order 1, `holub-2015` of order 2);
+    /// `None` is exact.
     pub default_order: Option<u8>,
 }
 
