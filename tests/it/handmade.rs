@@ -138,10 +138,6 @@ fn every_defect_of_every_target_is_refused_or_read_and_said() {
         assert!(target.coverage_warnings(&machine, &sound).is_empty(), "{name}");
         let file = target.table_files(&machine).into_iter().find(|file| files.contains_key(file)).unwrap();
         for (defect, damage) in DEFECTS {
-            // Cut off to its comments, Grbl's file is one without numbers, as is written where no scale is known.
-            if (name, defect) == ("grbl", "half of the lines") {
-                continue;
-            }
             let mut damaged = files.clone();
             damaged.insert(file.clone(), damage(&files[&file]));
             let (found, meant) = (found(&target, &machine, &damaged, &sound), outcome(name, defect));
