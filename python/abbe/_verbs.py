@@ -149,6 +149,8 @@ Fit = Literal["axis", "functional_point"]
 #: ``fit``: Content of own-axis tables; by default the manifest's.
 #: ``map``: Letters and numbers of axes in the controller, such as ``A=AX6`` or ``X1=U``, over those of the machine
 #: file.
+#: ``scale``: Scales of drives in force when the machine was measured, such as ``X=80``: steps in a mm, or mm in a turn.
+#: Without it, and without the control's own settings among the files in force, no scale is written.
 CompensationOptions = TypedDict(
     "CompensationOptions",
     {
@@ -159,6 +161,7 @@ CompensationOptions = TypedDict(
         "without": Sequence[Text],
         "fit": Union[Fit, None],
         "map": Sequence[Text],
+        "scale": Sequence[Text],
     },
     total=False,
 )
@@ -821,8 +824,8 @@ class Verbs:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
           ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
-        * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
-          ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``spindle``,
+          ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
         * ``fixed``: Parameters that keep their value although a group names them.
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
@@ -892,8 +895,8 @@ class Verbs:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
           ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
-        * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
-          ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``spindle``,
+          ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
         * ``fixed``: Parameters that keep their value although a group names them.
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section

@@ -1,6 +1,6 @@
 //! Deviation, rotation and E_VE at one pose, exact or to order n.
 
-use super::terms::{Elements, Term};
+use super::terms::{Deviation, Elements, Evaluation, Term};
 use crate::algebra::weil::Coefficients;
 use crate::algebra::{Algebra, Dual, Htm, rotation_vector, skew_vector};
 use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, into_part, values};
@@ -73,34 +73,6 @@ pub enum Frame {
     Machine,
     /// Rotates with the tool.
     Tool,
-}
-
-/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: a correction has the opposite sign,
-/// and only `compensation` makes one from the other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Deviation {
-    /// Displacement of the functional point, mm.
-    pub position: Vector3<f64>,
-    /// Rotation vector of the tool, rad.
-    pub rotation: Vector3<f64>,
-}
-
-impl Deviation {
-    /// Returns the deviation with its vectors rotated.
-    pub fn rotated(&self, r: &Matrix3<f64>) -> Self {
-        Self { position: r * self.position, rotation: r * self.rotation }
-    }
-}
-
-/// The result of an evaluation at a pose.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Evaluation {
-    /// Nominal position of the functional point from the workpiece origin, mm.
-    pub nominal: Vector3<f64>,
-    /// Actual minus nominal.
-    pub deviation: Deviation,
-    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame; the same in every frame.
-    pub e_ve: Matrix4<f64>,
 }
 
 /// Returns the evaluation at an operating point, its vectors in `frame`. Order 0 counts as 1, orders above

@@ -2,7 +2,8 @@
 
 use super::compiled::batch::{Batch, Output};
 use super::compiled::model::CompiledModel;
-use super::deviation::{Deviation, Order, command_deviation, unturned_deviation};
+use super::deviation::{Order, command_deviation, unturned_deviation};
+use super::terms::Deviation;
 use crate::lower::{NominalPose, Sensitivity, sensitivities};
 use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint};
 use nalgebra::Vector3;

@@ -18,8 +18,8 @@ mod terms;
 
 pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Output, PoseColumns, Width};
 pub use deviation::{
-    Deviation, Evaluation, Expansion, Frame, Order, UnknownOrder, command_deviation, evaluate, expand, expand_over,
-    frame_rotation, response, rotation, unturned_deviation,
+    Expansion, Frame, Order, UnknownOrder, command_deviation, evaluate, expand, expand_over, frame_rotation, response,
+    rotation, unturned_deviation,
 };
 pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
@@ -27,4 +27,4 @@ pub use spread::Spread;
 pub(crate) use spread::radical_inverse;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;
-pub use terms::Term;
+pub use terms::{Deviation, Evaluation, Term};

@@ -1,6 +1,6 @@
 //! Statistics of deviations over a volume, in micrometres and microradians.
 
-use super::deviation::Deviation;
+use super::terms::Deviation;
 use nalgebra::Vector3;
 use serde::Serialize;
 

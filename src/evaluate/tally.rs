@@ -15,8 +15,8 @@ use super::compiled::batch::Columns;
 use super::compiled::lanes::run;
 use super::compiled::simd::{Kernel, Lanes};
 use super::compiled::width::Width;
-use super::deviation::Deviation;
 use super::statistics::{Statistics, Summary};
+use super::terms::Deviation;
 use std::collections::BinaryHeap;
 
 /// Statistics of the deviations added so far.

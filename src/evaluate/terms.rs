@@ -1,10 +1,38 @@
-//! The parts of an evaluation: one for each monomial in the generators of an algebra, and for each degree.
+//! What an evaluation gives: deviation, rotation and E_VE as elements of an algebra, their sums, and their parts by
+//! monomial and by degree.
 
-use super::deviation::{Deviation, Evaluation};
 use crate::algebra::Algebra;
 use crate::algebra::weil::{Coefficients, Monomial};
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::collections::BTreeMap;
+
+/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: a correction has the opposite sign,
+/// and only `compensation` makes one from the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviation {
+    /// Displacement of the functional point, mm.
+    pub position: Vector3<f64>,
+    /// Rotation vector of the tool, rad.
+    pub rotation: Vector3<f64>,
+}
+
+impl Deviation {
+    /// Returns the deviation with its vectors rotated.
+    pub fn rotated(&self, r: &Matrix3<f64>) -> Self {
+        Self { position: r * self.position, rotation: r * self.rotation }
+    }
+}
+
+/// The result of an evaluation at a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// Nominal position of the functional point from the workpiece origin, mm.
+    pub nominal: Vector3<f64>,
+    /// Actual minus nominal.
+    pub deviation: Deviation,
+    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame; the same in every frame.
+    pub e_ve: Matrix4<f64>,
+}
 
 /// A part of an evaluation, with the errors as large as they are; the parts of all monomials add up to it.
 #[derive(Debug, Clone, PartialEq)]

@@ -396,7 +396,7 @@ pub const MIN_SUSPECT_LIKELIHOOD: f64 = 20.0;
 pub const MIN_SUSPECT_GAIN: f64 = 1.9;
 /// Scatter of one component, before over after, that is enough whatever the others say. Below: form in one direction
 /// is taken for a drift.
-pub const MIN_COMPONENT_GAIN: f64 = 3.0;
+pub const MIN_COMPONENT_GAIN: f64 = 2.5;
 /// [`MIN_SUSPECT_GAIN`] of a single change, below which no pairs are tried: of good campaigns none comes near.
 pub const MIN_FIRST_GAIN: f64 = 1.03;
 /// The same of a second change beside the first.

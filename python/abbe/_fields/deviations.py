@@ -98,6 +98,24 @@ class Neglected(Record):
     rotation_rad: Annotated[float, "Rotation of the tool, rad."]
 
 
+class MonomialPart(Record):
+    """The part of a deviation that one monomial in the generators makes, with the errors as large as they are."""
+
+    monomial: Annotated[str, "``EXX*EC0Y^2``; ``i^2`` of an order; ``1`` of location errors in the real part."]
+    deviation: Annotated[list[float], "Displacement of the functional point, mm."]
+    rotation: Annotated[list[float], "Rotation of the tool, rad."]
+    e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, row by row."]
+
+
+class DegreePart(Record):
+    """The part of a deviation that all monomials of one degree make."""
+
+    degree: Annotated[int, "Total degree; 0 of location errors in the real part."]
+    deviation: Annotated[list[float], "Displacement of the functional point, mm."]
+    rotation: Annotated[list[float], "Rotation of the tool, rad."]
+    e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, row by row."]
+
+
 class PoseResult(Record):
     """Deviation at one pose."""
 
@@ -112,6 +130,8 @@ class PoseResult(Record):
     sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
     interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``EvalOptions::interactions``."]
     order_1_neglects: Annotated[Union[Neglected, None], "Bound of the terms that order 1 neglects at this pose, with ``EvalOptions::interactions``."]
+    coefficients: Annotated[Union[list[MonomialPart], None], "Parts of the monomials of an algebra, or of the powers of one generator with an order, lowest degree first; those that are 0 left out."]
+    degrees: Annotated[Union[list[DegreePart], None], "Their sums by degree."]
     inverse: Annotated[Union[Named[float], None], "Motions of the axes that undo the errors, mm and deg, with ``EvalOptions::inverse``."]
 
 

@@ -62,7 +62,7 @@ class Conventions(Record):
     errors_are: Annotated[Literal["tool_relative", "body"], "Owner of the errors of workpiece-side axes."]
     location_order: Annotated[Literal["nilpotent", "real"], "Order of location errors."]
     joints: Annotated[Literal["orthogonal", "linearised"], "Shape of error matrices."]
-    default_order: Annotated[Union[int, None], "Order used when the command line names none (``hrdina-vasik-2014`` is of order 1); ``None`` is exact."]
+    default_order: Annotated[Union[int, None], "Order used when the command line names none (``hrdina-vasik-2014`` is of order 1, ``holub-2015`` of order 2); ``None`` is exact."]
 
 
 class LocationError(Record):

@@ -103,6 +103,8 @@ class KnownValue(Record):
     name: Annotated[str, "Name of the unknown, or ``distance`` and two points."]
     value: Annotated[float, "Value, in ``unit``."]
     sigma: Annotated[float, "Standard uncertainty, in ``unit``."]
+    found: Annotated[float, "Value that the fit finds, in ``unit``."]
+    deviations: Annotated[Union[float, None], "Found minus known value in standard deviations of that difference; none where the readings say nothing of it."]
     unit: Annotated[str, "Unit of the value and of its uncertainties."]
 
 

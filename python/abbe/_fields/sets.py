@@ -44,7 +44,7 @@ class CertifiedError(Record):
 
 
 class AtReference(Record):
-    """Motions that files add with all axes at 0, by axis, mm and deg."""
+    """Motions that files add at home, or with all axes at 0, by axis, mm and deg."""
 
     forward: Annotated[Named[float], "Approached forward."]
     reverse: Annotated[Named[float], "Approached in reverse."]
@@ -167,8 +167,9 @@ class CertificateFields(Record):
     compensated: Annotated[CertifiedFigures, "With the files."]
     errors: Annotated[Named[CertifiedError], "The errors by name."]
     single_error_poses: Annotated[int, "Number of poses for single errors."]
-    at_reference: Annotated[AtReference, "Motions that the files add with all axes at 0."]
+    at_reference: Annotated[AtReference, "Motions that the files add at home, or with all axes at 0 where the machine file does not state ``home`` for each."]
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
+    straight: Annotated[Union[CertifiedFigures, None], "Figures with straight lines between points, where the control has them as an option; ``compensated`` is then with steps, in the worst place of each section."]
     programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
     job: Annotated[Union[JobCertificate, None], "The figures over a job, if one was given."]

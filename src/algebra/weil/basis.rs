@@ -1,13 +1,10 @@
 //! The basis of a Weil algebra: its surviving monomials and their products.
 
-use super::monomials::{Ideal, Monomial, Size};
+use super::monomials::{Ideal, MAX_BYTES, Monomial, Size};
 use super::table::ProductTable;
 use crate::algebra::MAX_ORDER;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Memory that no algebra may need.
-pub(super) const MAX_BYTES: f64 = 1e9;
 
 /// The reason for which an algebra cannot be built.
 #[derive(Debug, Clone, PartialEq)]

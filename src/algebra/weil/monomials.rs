@@ -1,6 +1,7 @@
 //! Monomials in nilpotent generators, and the monomial ideal of those that vanish.
 
-use super::basis::MAX_BYTES;
+/// Memory that no algebra may need.
+pub(super) const MAX_BYTES: f64 = 1e9;
 
 /// A product of powers of generators: (generator, power) with rising generators and powers above 0.
 /// The empty list is 1.

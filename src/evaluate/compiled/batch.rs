@@ -1,6 +1,6 @@
 //! Batches: many poses in columns, and columns of their deviations.
 
-use crate::evaluate::deviation::Deviation;
+use crate::evaluate::terms::Deviation;
 use nalgebra::Vector3;
 
 /// Poses by columns: one slice of positions (mm or deg) per axis, in the order of the machine's axes.

@@ -8,7 +8,8 @@ use super::lanes::run;
 use super::pass::{Pass, PoseKernel};
 use super::second::SecondOrder;
 use super::width::Width;
-use crate::evaluate::deviation::{Deviation, Order, command_deviation, unturned_deviation};
+use crate::evaluate::deviation::{Order, command_deviation, unturned_deviation};
+use crate::evaluate::terms::Deviation;
 use crate::lower::NominalPose;
 use crate::machine::{Machine, OperatingConditions};
 

@@ -133,8 +133,10 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
     found.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     let best = simplest(&found, count)?;
     let gain = best.likelihood - null.likelihood;
-    // A trouble of one component is drowned by the others.
-    let of_one = null.sigmas.iter().zip(&best.sigmas).any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
+    // A trouble of one component is drowned by the others. In another unit all scatters are smaller.
+    let rescales = best.changes.iter().any(Change::rescales);
+    let of_one =
+        !rescales && null.sigmas.iter().zip(&best.sigmas).any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
     let explains = of_one || gain >= count * libm::log(MIN_SUSPECT_GAIN);
     if gain < MIN_SUSPECT_LIKELIHOOD
         || !explains

@@ -583,7 +583,7 @@ export interface Conventions {
   location_order: LocationOrder;
   /** Shape of error matrices. */
   joints: Joints;
-  /** Order used when the command line names none (`hrdina-vasik-2014` is of order 1); `None` is exact. */
+  /** Order used when the command line names none (`hrdina-vasik-2014` is of order 1, `holub-2015` of order 2); `None` is exact. */
   default_order: number | null;
 }
 
@@ -595,6 +595,18 @@ export interface Coverage {
   bounded: number;
   /** Names of the errors that have neither. None on a machine with measured values and no bounds: what it does not state is zero. */
   missing: string[];
+}
+
+/** The part of a deviation that all monomials of one degree make. */
+export interface DegreePart {
+  /** Total degree; 0 of location errors in the real part. */
+  degree: number;
+  /** Displacement of the functional point, mm. */
+  deviation: [number, number, number];
+  /** Rotation of the tool, rad. */
+  rotation: [number, number, number];
+  /** `T_tool^-1 T_work`, row by row. */
+  e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
 }
 
 /** A deviation, as bounds lead to it. */
@@ -1204,6 +1216,18 @@ export interface MissingInLimit {
   um?: number | null;
 }
 
+/** The part of a deviation that one monomial in the generators makes, with the errors as large as they are. */
+export interface MonomialPart {
+  /** `EXX*EC0Y^2`; `i^2` of an order; `1` of location errors in the real part. */
+  monomial: string;
+  /** Displacement of the functional point, mm. */
+  deviation: [number, number, number];
+  /** Rotation of the tool, rad. */
+  rotation: [number, number, number];
+  /** `T_tool^-1 T_work`, row by row. */
+  e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
+}
+
 /** The travel that a work needs of an axis, and the travel that it has. */
 export interface NeededTravel {
   /** Name of the axis. */
@@ -1441,6 +1465,10 @@ export interface PoseResult {
   interactions?: ErrorEffect[] | null;
   /** Bound of the terms that order 1 neglects at this pose, with [`EvalOptions::interactions`]. */
   order_1_neglects?: Neglected | null;
+  /** Parts of the monomials of an algebra, or of the powers of one generator with an order, lowest degree first; those that are 0 left out. */
+  coefficients?: MonomialPart[] | null;
+  /** Their sums by degree. */
+  degrees?: DegreePart[] | null;
   /** Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`]. */
   inverse?: Record<string, number> | null;
 }
