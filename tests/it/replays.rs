@@ -152,7 +152,8 @@ fn every_replay_does_what_the_controller_does() {
         for name in targets() {
             let out = folder.path(&format!("{name}-{table}"));
             let more = ["--accept-unverified", "--poses", "1", "--nodes", "600"];
-            compile(&path, name, &out, &more).json();
+            let scale: &[&str] = if name == "grbl" { &["--scale", "X=80,Y=80,Z=400"] } else { &[] };
+            compile(&path, name, &out, &[&more, scale].concat()).json();
             let rounds = if name == "grid-json" { 60 } else { 400 };
             let (worst, largest) = difference(&path, &sample, name, &out, rounds);
             assert!(largest > 0.002, "{name}: nothing is corrected");

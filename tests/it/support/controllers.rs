@@ -31,6 +31,7 @@ pub fn loaded(target: &str, files: &Files, axes: Axes, machine: &Sample) -> Opti
         "reprapfirmware" => duet(files, axes),
         "klipper" => skew(files, axes, ["xy_skew = ", "xz_skew = ", "yz_skew = "]),
         "marlin" => skew(files, axes, ["M852 I", "M852 J", "M852 K"]),
+        "grbl" => steps(files, axes),
         "isg-volcomp" => volcomp(files.get("volcomp.csv")?, axes, machine),
         "etalon-exchange" => etalon(files.get("etalon.txt")?, axes, machine),
         "grid-json" => json(files.get("corrections.json")?, axes),
@@ -510,6 +511,21 @@ fn skew(files: &Files, axes: Axes, begins: [&str; 3]) -> Option<Controller> {
         added[y] = -q[z] * yz;
         added
     }))
+}
+
+/// Grbl counts settings.steps_per_mm times the target as steps (motion to `$100`), of which the machine needs those that
+/// were in force for one mm: they stand in the comments that take them back.
+fn steps(files: &Files, axes: Axes) -> Option<Controller> {
+    let text = files.get("settings.nc")?;
+    let number = |begin: &str| real(text.lines().find_map(|line| line.strip_prefix(begin))?);
+    let mut ratios = vec![1.0; axes.len()];
+    for (letter, setting) in [('X', 100), ('Y', 101), ('Z', 102)] {
+        // A line only where the scale is wrong.
+        if let Some(now) = number(&format!("${setting}=")) {
+            ratios[at(axes, letter)?] = now / number(&format!("; ${setting}="))?;
+        }
+    }
+    Some(Box::new(move |q, _| q.iter().zip(&ratios).map(|(q, ratio)| q * (ratio - 1.0)).collect()))
 }
 
 /// TF5280 296429067: blocks of named columns, linear on the grid.
