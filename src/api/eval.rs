@@ -2,7 +2,7 @@
 
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
-use super::terms::{DegreePart, MonomialPart, Parts};
+use super::terms::{DegreePart, MonomialPart, Parts, matrix, row};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
 use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, expand, expand_over, frame_rotation};
@@ -276,22 +276,18 @@ fn besides(
 impl PoseResult {
     /// Takes another deviation.
     fn put(&mut self, deviation: &Deviation) {
-        // Adding zero turns -0 into 0.
-        let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
         (self.deviation, self.rotation) = (row(&deviation.position), row(&deviation.rotation));
     }
 }
 
 fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult {
-    // Adding zero turns -0 into 0.
-    let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
     PoseResult {
         axes: axis_positions(machine, pose),
         nominal: row(&evaluation.nominal),
         deviation: row(&evaluation.deviation.position),
         rotation: row(&evaluation.deviation.rotation),
         along_normal: None,
-        e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
+        e_ve: matrix(&evaluation.e_ve),
         beyond_measured: machine.beyond_measured(pose).map(|axis| axis.name.to_string()).collect(),
         uncertainty: None,
         sensitivity: None,

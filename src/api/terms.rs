@@ -4,7 +4,7 @@ use super::effects::MAX_EFFECTS;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Term};
 use crate::lower::WeilLift;
-use nalgebra::Vector3;
+use nalgebra::{Matrix4, Vector3};
 
 /// The part of a deviation that one monomial in the generators makes, with the errors as large as they are.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -82,9 +82,16 @@ fn degree(term: &Term) -> DegreePart {
     DegreePart { degree: term.monomial.degree(), deviation, rotation, e_ve }
 }
 
-/// Adding zero turns -0 into 0.
 fn rows(term: &Term) -> ([f64; 3], [f64; 3], [[f64; 4]; 4]) {
-    let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
-    let matrix = std::array::from_fn(|i| std::array::from_fn(|j| term.e_ve[(i, j)] + 0.0));
-    (row(&term.deviation.position), row(&term.deviation.rotation), matrix)
+    (row(&term.deviation.position), row(&term.deviation.rotation), matrix(&term.e_ve))
+}
+
+/// Returns a vector as results state it: adding zero turns -0 into 0.
+pub(crate) fn row(v: &Vector3<f64>) -> [f64; 3] {
+    [v.x + 0.0, v.y + 0.0, v.z + 0.0]
+}
+
+/// Returns the same of a matrix, row by row.
+pub(crate) fn matrix(m: &Matrix4<f64>) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)] + 0.0))
 }

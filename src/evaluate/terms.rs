@@ -1,8 +1,8 @@
-//! What an evaluation gives: deviation, rotation and E_VE as elements of an algebra, their sums, and their parts by
+//! Results of an evaluation: deviation, rotation and E_VE as elements of an algebra, their sums, and their parts by
 //! monomial and by degree.
 
-use crate::algebra::Algebra;
 use crate::algebra::weil::{Coefficients, Monomial};
+use crate::algebra::{Algebra, difference};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ pub(super) struct Elements<S: Algebra> {
 impl<S: Algebra> Elements<S> {
     /// Returns the sum of all degrees.
     pub fn sum(&self) -> Evaluation {
-        let value = |x: &S| x.real() + x.nilpotent_sum();
+        let value = |x: &S| difference(x, 0.0);
         let deviation =
             Deviation { position: self.position.map(|x| value(&x)), rotation: self.rotation.map(|x| value(&x)) };
         Evaluation { nominal: self.nominal, deviation, e_ve: self.e_ve.map(|x| value(&x)) }

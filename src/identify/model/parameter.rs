@@ -71,6 +71,11 @@ impl ClampedTool {
 }
 
 impl ParameterTerm {
+    /// True if both are of one curve: of the same error, approached alike, of the same clamping.
+    pub(crate) fn is_of_curve(&self, other: &Self) -> bool {
+        (self.source, self.approach, &self.only) == (other.source, other.approach, &other.only)
+    }
+
     /// Returns a term that acts in both directions.
     pub(crate) fn new(source: Source, basis: BasisFunction, factor: f64) -> Self {
         Self { source, basis, factor, approach: Approach::Mean, only: None }

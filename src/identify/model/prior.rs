@@ -5,14 +5,13 @@
 //! be large and cancel, as long as the curve is small.
 
 use super::gauge::Gauge;
-use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm};
+use super::parameter::{BasisFunction, Parameter, ParameterTerm};
 use super::prediction::FitModel;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
 use crate::identify::data::{Measurement, lever};
 use crate::identify::thresholds::*;
-use crate::lower::{ErrorSite, Source};
-use crate::machine::Approach;
+use crate::lower::ErrorSite;
 use nalgebra::{DMatrix, DVector};
 
 /// The prior of a fit: the values near which the unknowns are, and the directions that are held there.
@@ -137,12 +136,11 @@ fn initial_rms(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
 fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
     let list = model.parameters();
     let mut triangle = Triangle::new(list.len());
-    let mut done: Vec<(Source, Approach, Option<ClampedTool>)> = Vec::new();
+    let mut done: Vec<&ParameterTerm> = Vec::new();
     for term in list.iter().flat_map(|p| &p.terms) {
-        let key = (term.source, term.approach, term.only.clone());
-        if !done.contains(&key) {
-            effects(model, &key).into_iter().for_each(|row| triangle.push(row, 0.0));
-            done.push(key);
+        if !done.iter().any(|known| known.is_of_curve(term)) {
+            effects(model, term).into_iter().for_each(|row| triangle.push(row, 0.0));
+            done.push(term);
         }
     }
     for (j, parameter) in list.iter().enumerate() {
@@ -154,16 +152,15 @@ fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
 
 /// Returns the displacements (mm) that a unit of each unknown makes by an error, a row for each position of the travel,
 /// over the root of their number; a single row for constants.
-fn effects(model: &FitModel<'_>, key: &(Source, Approach, Option<ClampedTool>)) -> Vec<Vec<f64>> {
-    let source = key.0;
-    let is_of = |t: &ParameterTerm| (t.source, t.approach) == (source, key.1) && t.only == key.2;
+fn effects(model: &FitModel<'_>, of: &ParameterTerm) -> Vec<Vec<f64>> {
+    let source = of.source;
     let mine = |p: &Parameter, q: f64| {
-        let terms = p.terms.iter().filter(|t| is_of(t));
+        let terms = p.terms.iter().filter(|t| of.is_of_curve(t));
         terms.map(|t| t.factor * t.basis.value(q)).sum::<f64>() * lever(source.direction)
     };
     let row = |q: f64| model.parameters().iter().map(|p| mine(p, q)).collect::<Vec<f64>>();
     let mut terms = model.parameters().iter().flat_map(|p| &p.terms);
-    let is_curve = terms.any(|t| is_of(t) && t.basis != BasisFunction::Constant);
+    let is_curve = terms.any(|t| of.is_of_curve(t) && t.basis != BasisFunction::Constant);
     let ErrorSite::Component(axis) = source.place else { return vec![row(0.0)] };
     if !is_curve {
         return vec![row(0.0)];

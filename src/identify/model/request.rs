@@ -372,11 +372,15 @@ fn each_clamping(machine: &Machine, uses: &[ToolUse]) -> impl Iterator<Item = Pa
 
 /// Refuses a tool, or a run of it, of which there is no reading.
 fn refuse_unread(machine: &Machine, word: &str, uses: &[ToolUse]) -> Result<(), Refusal> {
-    let of_none = word.starts_with("tool ") && !each_clamping(machine, uses).any(|parameter| parameter.name == word);
+    if !word.starts_with("tool ") {
+        return Ok(());
+    }
     let names: Vec<String> = each_clamping(machine, uses).map(|parameter| parameter.name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let message = || format!("`{}` is the tool of no reading", shown(word));
-    if of_none { Err(refusal(message(), did_you_mean(word, &names))) } else { Ok(()) }
+    if names.contains(&word) {
+        return Ok(());
+    }
+    Err(refusal(format!("`{}` is the tool of no reading", shown(word)), did_you_mean(word, &names)))
 }
 
 /// Returns the three offsets of the tip for every tool in use, of each of its runs if these are clampings of their own.

@@ -104,7 +104,12 @@ impl Change {
 
     /// True if it changes nothing, but frees what the fit holds.
     pub fn is_free(&self) -> bool {
-        matches!(self, Self::Drift(_) | Self::Shifted(_) | Self::OtherTool(_) | Self::LeftOut(_) | Self::RowsLeftOut(_))
+        self.adds_unknowns() || matches!(self, Self::LeftOut(_) | Self::RowsLeftOut(_))
+    }
+
+    /// True if it frees amounts that the model of the fit does not have.
+    pub fn adds_unknowns(&self) -> bool {
+        matches!(self, Self::Drift(_) | Self::Shifted(_) | Self::OtherTool(_))
     }
 
     /// True if it is a factor other than -1 of readings: what is left has another unit then.

@@ -224,7 +224,7 @@ fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Op
         let explains = rescales || left * MIN_SUSPECT_GAIN <= of.after;
         explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
     };
-    if changes.iter().any(|change| matches!(change, Change::Drift(_) | Change::Shifted(_) | Change::OtherTool(_))) {
+    if changes.iter().any(Change::adds_unknowns) {
         return found(screen.judge(&screen.posed(&poses(changes))?, changes)?.left);
     }
     let changed = |row: usize| {
