@@ -2,7 +2,7 @@
 
 use super::axes::AxisDraft;
 use super::context::{Context, dotted_path};
-use super::errors::{once, term};
+use super::errors::{once, term, unit};
 use super::found_errors::Errors;
 use super::joint_names::{JointNames, find_error};
 use super::parts::{SIX, amounts, setup_at};
@@ -39,8 +39,13 @@ pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> Covariance {
     for (i, entry) in document.covariance.iter().enumerate() {
         let here = below(&section, i);
         refuse_company(context, entry, &here);
-        unheld.extend(unheld_motion(context, entry, &here));
-        measured.extend(measured_ranges(context, known, entry, &here));
+        unheld.extend(unheld_motion(context, entry, &unheld, &here));
+        for (axis, range) in measured_ranges(context, known, entry, &here) {
+            if measured.insert(axis.clone(), range).is_some() {
+                let message = format!("`covariance` has two measured ranges of `{axis}`");
+                context.at_key(codes::E0209, &below(&here, "measured"), message, "keep one");
+            }
+        }
         let Some(written) = &entry.form else {
             if entry.unheld.is_empty() && entry.measured.is_empty() {
                 joint.push(part(context, known, i, entry));
@@ -77,9 +82,30 @@ fn refuse_company(context: &mut Context, entry: &CovarianceEntry, here: &Keys) {
     }
 }
 
-fn unheld_motion(context: &mut Context, entry: &CovarianceEntry, here: &Keys) -> Option<UnheldMotion> {
-    let motion = amounts(context, &entry.unheld, &SIX, &below(here, "unheld"));
-    motion.iter().any(|amount| *amount != 0.0).then(|| UnheldMotion::of(motion))
+/// Reads a motion; refuses none at all, and one that those before it already make: both were meant to be another.
+fn unheld_motion(
+    context: &mut Context,
+    entry: &CovarianceEntry,
+    before: &[UnheldMotion],
+    here: &Keys,
+) -> Option<UnheldMotion> {
+    if entry.unheld.is_empty() {
+        return None;
+    }
+    let at = below(here, "unheld");
+    let motion = UnheldMotion::of(amounts(context, &entry.unheld, &SIX, &at));
+    let refusal = if motion.amounts().iter().all(|amount| *amount == 0.0) {
+        Some((codes::E0202, "is no motion", "give an amount of any size but 0, such as `X: 1 um`; or leave it out"))
+    } else if motion.is_made_by(before) {
+        Some((codes::E0209, "is a motion that those before it make", "leave it out, or mend its amounts"))
+    } else {
+        None
+    };
+    let Some((code, what, help)) = refusal else { return Some(motion) };
+    if !context.document.places.is_marred(&at) {
+        context.at_key(code, &at, format!("`{}` {what}", dotted_path(&at)), help);
+    }
+    None
 }
 
 /// Returns the ranges of axes in which their curves were measured.
@@ -93,7 +119,15 @@ fn measured_ranges(
     let one = |(name, ends): (&String, &Vec<Scalar>)| {
         let at = below(&section, name);
         let axis = declared_axis(context, known, name, &at)?;
-        Some((axis.name.clone(), context.interval(ends, axis.kind?, &at)?))
+        let (min, max) = context.interval(ends, axis.kind?, &at)?;
+        if let Some((from, to)) =
+            axis.travel.map(|travel| travel.interval()).filter(|(from, to)| min < *from || max > *to)
+        {
+            let unit = unit(axis.kind?);
+            let message = format!("`{}` goes beyond the travel from {from} to {to} {unit}", dotted_path(&at));
+            context.at_value(codes::E0403, &at, message, "write where the curves were measured, within the travel");
+        }
+        Some((axis.name.clone(), (min, max)))
     };
     entry.measured.iter().filter_map(one).collect()
 }
