@@ -82,7 +82,7 @@ impl CertificateView<'_> {
         let Some(job) = &self.report.job else { return String::new() };
         let JobCertificate { over, direction, uncompensated, compensated, .. } = job;
         let raised = job.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
-        let ratio = ratio(&uncompensated.position_um, &compensated.position_um);
+        let ratio = ratio(&uncompensated.position_um, &compensated.position_um, None);
         let worse = approached(*direction);
         let rows = figures_table(uncompensated, compensated);
         format!("{}Each state is set up by itself{worse}.\n{rows}\n{ratio}{raised}", over.text())
@@ -131,7 +131,8 @@ impl CertificateView<'_> {
                  option of the control: position 95 % {p95} um, max {max} um.\n"
             )
         });
-        let ratio = ratio(&before.position_um, &after.position_um);
+        let left = self.report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
+        let ratio = ratio(&before.position_um, &after.position_um, left);
         format!("{table}\n{bands}{steps}{straight}{ratio}{raised}{}", self.reference_shift())
     }
 
@@ -313,15 +314,25 @@ fn figures_table(before: &Figures, after: &Figures) -> comfy_table::Table {
 
 /// Below this (um) an error does nothing at the functional point.
 const NO_EFFECT: f64 = 0.05;
+/// Largest factor that is stated: what is left then is less than anybody knows of the errors.
+const MAX_FACTOR: f64 = 1000.0;
 
-fn ratio(before: &Summary, after: &Summary) -> String {
+/// Returns by what factor the deviation falls, and what is left within the uncertainty of the errors.
+fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>) -> String {
     let (before, after) = (before.p95, after.p95);
+    let falls = "For the errors in the file the 95 % position deviation falls";
+    let left = left.map_or_else(String::new, |ends| {
+        let [low, high] = ends.map(|end| significant(end, 4));
+        format!("; within their uncertainty {low} to {high} um are left")
+    });
     if before < ROUNDING_UM {
         "There was nothing to compensate.\n".to_owned()
     } else if after < ROUNDING_UM {
-        "The 95 % position deviation falls below a nanometre.\n".to_owned()
+        format!("{falls} below a nanometre{left}.\n")
+    } else if before > MAX_FACTOR * after {
+        format!("{falls} by a factor of more than {MAX_FACTOR}{left}.\n")
     } else if after <= before {
-        format!("The 95 % position deviation falls by a factor of {}.\n", significant(before / after, 3))
+        format!("{falls} by a factor of {}{left}.\n", significant(before / after, 3))
     } else {
         String::new()
     }
