@@ -299,11 +299,12 @@ pub const MIN_DRIFT_MM: f64 = 1e-3;
 /// Coefficient of determination of the line through the means of the runs above which they drift, if they do not go one
 /// way: a warm-up that has come to its end has 0.8.
 pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
-/// Misfit of a run to the others over that after a change of unit or sign. The factors are 4.8 and more apart: a run of
+/// Misfit of a run to the others over that after a change of unit or sign. The factors are 2 and more apart: a run of
 /// the right unit fits the worse.
-pub const MIN_UNIT_RATIO: f64 = 4.0;
-/// Size of the curve over that misfit: of readings that only scatter any factor below 1 fits.
-pub const MIN_UNIT_PROFILE: f64 = 4.0;
+pub const MIN_UNIT_RATIO: f64 = 2.5;
+/// Slope of such a run on the curve of the others over its 95 % uncertainty (Student). Below: any factor below 1 fits
+/// readings that only scatter.
+pub const MIN_UNIT_SLOPE: f64 = 3.0;
 /// Reversal of the others, in standard deviations of its mean, from which on the exchanged directions of a run are
 /// seen: a run of the right directions is then six of them from half way to the other sign.
 pub const MIN_EXCHANGE_SIGMA: f64 = 5.0;

@@ -200,13 +200,20 @@ fn other_units_are_named() {
     let curve = |campaign: &Campaign| {
         let pass = &campaign.readings[0][0];
         let ends = pass.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
-        ends[1] - ends[0] > 30.0 * campaign.sigma
+        (ends[1] - ends[0]) / campaign.sigma
     };
-    for (seed, factor, words) in
-        [(6, 1e-3, "mm taken for um"), (7, 1.0 / 25.4, "thousandths of an inch"), (8, -1.0, "the other sign")]
-    {
-        named(seed, words, 95, 2, |campaign, random| {
-            while !curve(campaign) || campaign.readings.len() < 2 {
+    let (high, low) = (30.0..f64::INFINITY, 12.0..30.0);
+    for (seed, factor, words, curves, share) in [
+        (6, 1e-3, "mm taken for um", &high, 95),
+        (7, 1.0 / 25.4, "thousandths of an inch", &high, 95),
+        (8, -1.0, "the other sign", &high, 95),
+        (12, 1e-3, "mm taken for um", &low, 90),
+        (13, 1e3, "um taken for mm", &low, 90),
+        (14, 10.0, "a decimal place too many", &low, 90),
+        (15, -1.0, "the other sign", &low, 90),
+    ] {
+        named(seed, words, share, 2, |campaign, random| {
+            while !curves.contains(&curve(campaign)) || campaign.readings.len() < 2 {
                 *campaign = Campaign::draw(random);
             }
             let (run, way) = (random.below(campaign.readings.len()), random.below(2));

@@ -7,9 +7,10 @@ use crate::diagnostic::Place;
 use crate::identify::data::import::sample::Import;
 use crate::identify::thresholds::{
     MAX_JUDGED_PASSES, MAX_OUTLIER_SHARE, MAX_OUTLIER_SIGMA, MIN_DRIFT_DETERMINATION, MIN_DRIFT_MM, MIN_DRIFT_SIGMA,
-    MIN_EXCHANGE_SHARE, MIN_EXCHANGE_SIGMA, MIN_HARM_MM, MIN_JUDGED_TARGETS, MIN_REPEATED_READINGS, MIN_UNIT_PROFILE,
-    MIN_UNIT_RATIO,
+    MIN_EXCHANGE_SHARE, MIN_EXCHANGE_SIGMA, MIN_HARM_MM, MIN_JUDGED_TARGETS, MIN_REPEATED_READINGS, MIN_UNIT_RATIO,
+    MIN_UNIT_SLOPE,
 };
+use crate::standards::Coverage;
 use crate::syntax::ColumnDirection::{Forward, Reverse};
 use crate::units::{counted, significant};
 
@@ -110,7 +111,10 @@ impl<'a> Runs<'a> {
         let tried =
             units.into_iter().chain([(-1.0, "the other sign")]).map(|(factor, why)| (left(factor), factor, why));
         let (best, factor, why) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if unscaled < self.least(MIN_HARM_MM).max(MIN_UNIT_RATIO * best) || profile < MIN_UNIT_PROFILE * best {
+        // The run must follow the curve of the others: the slope of one on the other in its standard deviations.
+        let followed = profile * libm::sqrt(pairs.len() as f64);
+        let by_chance = MIN_UNIT_SLOPE * Coverage::default().reach(pairs.len() as f64 - 2.0) * best;
+        if unscaled < self.least(MIN_HARM_MM).max(MIN_UNIT_RATIO * best) || followed < by_chance {
             return None;
         }
         let run = self.repeats.passes[pass].words();
