@@ -149,6 +149,12 @@ fn gauges_that_mislead_are_refused() {
         assert!(output.status.code() == Some(1) && text.contains("E0516"), "{words}: {text}");
         assert!(text.contains(said_of_it), "{words}: {text}");
     }
+    let far = ["--fit", "EXX:poly1", "--prior", "distance b1 b2 = 340 mm 20 um"];
+    let text = said(&identify(&machine, &data, &far));
+    assert!(text.contains("not near the 300 mm") && text.contains("plausible"), "{text}");
+    let worn = folder.write("worn.yaml", &format!("{MACHINE}identify: {{ plausible: {{ length: 40 mm }} }}\n"));
+    let text = said(&identify(&worn, &data, &far));
+    assert!(!text.contains("E0516"), "{text}");
     let twice = ["--prior", "distance b1 b2 = 300 mm 20 um", "--prior", "distance b2 b1 = 300 mm 20 um"];
     let output = identify(&machine, &data, &[&FIT[..], &twice].concat());
     assert!(said(&output).contains("given twice"), "{}", said(&output));

@@ -5,7 +5,7 @@ use abbe::results::{
     BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualGroup, ResidualTest,
     SharedUncertainty,
 };
-use abbe::text::significant;
+use abbe::text::{counted, significant};
 
 /// Coverage factor (95 %) of 29 degrees of freedom; larger ones are printed.
 const USUAL_COVERAGE: f64 = 2.045;
@@ -71,14 +71,17 @@ fn fit(r: &IdentifyResult) -> String {
     };
     let known = r.known.iter().map(|k| format!("{} to {} {}", k.name, significant(k.sigma, 3), k.unit));
     let known: Vec<String> = known.collect();
+    let and_known =
+        if known.is_empty() { String::new() } else { format!(" and {}", counted(known.len(), "known value")) };
     let known = if known.is_empty() { String::new() } else { format!("known      {}\n", known.join(", ")) };
     known
         + &format!(
-            "rank       {} from {} readings, {} well determined, condition {}, observability {}\n\
+            "rank       {} from {}{}, {} well determined, condition {}, observability {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
             rank(r.rank_first_order, r.rank, r.unknowns),
-            r.rows,
+            counted(r.rows, "reading"),
+            and_known,
             r.well_determined,
             significant(r.condition, 3),
             significant(r.observability, 3),

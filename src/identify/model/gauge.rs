@@ -5,7 +5,7 @@ use super::known::{refusal, value_and_sigma};
 use super::parameter::Parameter;
 use super::refusal::Refusal;
 use crate::diagnostic::shown;
-use crate::identify::thresholds::{MAX_FRAME_MISFIT_SHARE, MIN_LENGTH_MM, MIN_PRIOR_SIGMA_MM};
+use crate::identify::thresholds::{MAX_FRAME_MISFIT_SHARE, MIN_LENGTH_MM};
 use crate::units::{Dimension, significant};
 use nalgebra::Vector3;
 
@@ -28,11 +28,19 @@ const HELP: &str = "write two balls or stations of the report, their distance an
                     `distance b1 b2 = 50 mm 20 um`";
 const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 
+const FAR: &str = "check its unit and the points; of a machine that is so far off, state the size of its errors: \
+                   `identify: { plausible: { length: 60 mm } }`";
+
 /// Reads gauges in words, one for each set-up that has both points; `None` if the words are of another prior.
 ///
-/// `bases` holds the zero of each unknown (mm).
+/// `bases` holds the zero of each unknown (mm), `plausible` the size (mm) of an error that is no mistake.
 /// Fails if a point is unknown or named twice, and if the distance is none, or not that of the points as they start.
-pub fn parse_gauge(words: &str, unknowns: &[Parameter], bases: &[f64]) -> Result<Option<Vec<Gauge>>, Refusal> {
+pub fn parse_gauge(
+    words: &str,
+    unknowns: &[Parameter],
+    bases: &[f64],
+    plausible: f64,
+) -> Result<Option<Vec<Gauge>>, Refusal> {
     let Some(rest) = words.trim().strip_prefix("distance ") else { return Ok(None) };
     let said = shown(words);
     let fail = |what: &str| refusal(format!("the prior `{said}` {what}"), HELP);
@@ -68,8 +76,11 @@ pub fn parse_gauge(words: &str, unknowns: &[Parameter], bases: &[f64]) -> Result
         let start: Vec<f64> = unknowns.iter().map(|p| p.start).collect();
         let apart = gauge.way(&start).norm();
         let off = (apart - gauge.length).abs();
-        if apart < MIN_LENGTH_MM || off > MIN_PRIOR_SIGMA_MM + MAX_FRAME_MISFIT_SHARE * gauge.length {
-            return Err(fail(&format!("is not near the {} mm between the points", significant(apart, 4))));
+        // Where the points start is seen through the errors of the machine.
+        if apart < MIN_LENGTH_MM || off > plausible + MAX_FRAME_MISFIT_SHARE * gauge.length {
+            let apart = significant(apart, 4);
+            let message = format!("the prior `{said}` is not near the {apart} mm between the points as they start");
+            return Err(refusal(message, FAR));
         }
         Ok(gauge)
     };

@@ -13,7 +13,7 @@ use crate::identify::{
 };
 use crate::job::machine_file::{MachineFile, Overlay};
 use crate::job::poses;
-use crate::machine::Machine;
+use crate::machine::{Direction, Machine, plausible_size};
 use crate::run::{Call, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
@@ -60,7 +60,9 @@ impl Problem {
         }
         let bases = vec![0.0; own.len()].into_iter().chain(data.nuisances.iter().map(|unknown| unknown.base)).collect();
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
-        let priors = Priors { unknowns: &unknowns, bases }.read(call, file, &request.priors, inputs.priors)?;
+        let plausible = plausible_size(Some(&request), Direction::X);
+        let priors =
+            Priors { unknowns: &unknowns, bases, plausible }.read(call, file, &request.priors, inputs.priors)?;
         for prior in priors.0 {
             // What is said of a place goes before the uncertainty that its file gives.
             known.retain(|other| other.unknown != prior.unknown);
@@ -133,6 +135,8 @@ struct Priors<'a> {
     unknowns: &'a [Parameter],
     /// Zero of each unknown (mm).
     bases: Vec<f64>,
+    /// Size (mm) of an error that is no mistake.
+    plausible: f64,
 }
 
 impl Priors<'_> {
@@ -149,7 +153,7 @@ impl Priors<'_> {
         let mut without_effect = Vec::new();
         for (k, words) in section.iter().chain(options).enumerate() {
             let is_option = k >= section.len();
-            let gauge = parse_gauge(words, self.unknowns, &self.bases);
+            let gauge = parse_gauge(words, self.unknowns, &self.bases, self.plausible);
             let found = match gauge {
                 Ok(None) => parse_prior(words, file, self.unknowns).map(|found| (found, Vec::new())),
                 Ok(Some(found)) => Ok((Vec::new(), found)),

@@ -12,7 +12,7 @@ use crate::identify::{
 };
 use crate::job::poses::{AxisPositions, axis_positions};
 use crate::machine::{AxisName, Machine, ResidualForm};
-use crate::units::significant;
+use crate::units::{counted, significant};
 use serde::Serialize;
 
 /// A picture with the name of its file.
@@ -442,7 +442,11 @@ pub(crate) fn place(fitted: &FitDiagnosis<'_>, sources: &Sources, row: usize) ->
 pub(crate) fn in_short(fitted: &FitDiagnosis<'_>) -> String {
     let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
     let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
-    format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
+    let from = match fitted.known.len() + fitted.gauges.len() {
+        0 => counted(rows, "reading"),
+        known => format!("{} and {}", counted(rows, "reading"), counted(known, "known value")),
+    };
+    format!("rank {rank} of {unknowns} parameters from {from}; rms {before} um before, {after} um after")
 }
 
 impl IdentifyResult {

@@ -8,7 +8,7 @@ use super::names::Spelling;
 use super::tolerances::{Named, letter, meaning, warn_oblique};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm};
-use crate::syntax::{ColumnDirection, CurveEntry, FigureEntry, Keys, TermEntry, below, keys};
+use crate::syntax::{ColumnDirection, CurveEntry, FigureEntry, IdentifyEntry, Keys, TermEntry, below, keys};
 use crate::units::{self, Dimension};
 use std::collections::BTreeSet;
 
@@ -298,18 +298,21 @@ pub fn largest_stated(direction: Direction) -> f64 {
     if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
 }
 
+/// Returns the size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
+/// errors.
+pub fn plausible_size(request: Option<&IdentifyEntry>, direction: Direction) -> f64 {
+    let given = request.and_then(|request| request.plausible.as_ref()).and_then(|plausible| {
+        let scalar = if direction.is_rotation() { &plausible.angle } else { &plausible.length };
+        units::quantity(&scalar.as_ref()?.to_string()).ok()
+    });
+    let wanted = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
+    let given = given.filter(|given| given.dimension == wanted).map_or(0.0, |given| given.value);
+    largest(direction).max(given.min(largest_stated(direction)))
+}
+
 impl Context<'_> {
-    /// Returns the size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has
-    /// such errors.
     fn largest_plausible(&self, direction: Direction) -> f64 {
-        let identify = self.document.identify.as_ref();
-        let given = identify.and_then(|identify| identify.plausible.as_ref()).and_then(|plausible| {
-            let scalar = if direction.is_rotation() { &plausible.angle } else { &plausible.length };
-            units::quantity(&scalar.as_ref()?.to_string()).ok()
-        });
-        let wanted = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
-        let given = given.filter(|given| given.dimension == wanted).map_or(0.0, |given| given.value);
-        largest(direction).max(given.min(largest_stated(direction)))
+        plausible_size(self.document.identify.as_ref(), direction)
     }
 
     /// Refuses what can only be a mistake of unit.

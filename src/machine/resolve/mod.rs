@@ -22,7 +22,7 @@ mod tolerances;
 mod uses;
 mod volume;
 
-pub use errors::{largest, largest_stated};
+pub use errors::{largest, largest_stated, plausible_size};
 pub use names::parse_error_name;
 pub use sides::{CLASS_ANGLES, no_origin};
 
