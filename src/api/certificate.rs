@@ -14,11 +14,12 @@ use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions, Pose};
+use crate::machine::{Approach, Axis, AxisKind, AxisPositions, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A job over which a certificate has figures besides those over the volume.
@@ -117,6 +118,35 @@ impl JobCertificate {
     }
 }
 
+/// Figures of a certificate where curves were not measured: beyond their points they go on as the machine file says.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct CertificateBeyond {
+    /// The measured ranges, by axis, mm and deg.
+    pub measured: BTreeMap<String, [f64; 2]>,
+    /// Number of poses beyond one of them.
+    pub poses: usize,
+    /// The side of approach that is worse.
+    pub direction: Approach,
+    /// Without the files.
+    pub uncompensated: Figures,
+    /// With the files.
+    pub compensated: Figures,
+}
+
+impl CertificateBeyond {
+    /// Returns the figures; `None` if the volume is measured everywhere.
+    fn of(field: &dyn Field, set_up: &SetUp, depth: Depth) -> Option<Self> {
+        let machine = field.machine();
+        let poses = depth.poses_beyond(machine);
+        let range = |axis: &Axis| Some((axis.name.to_string(), machine.measured_range(&axis.name)?.into()));
+        let measured = machine.axes().iter().filter_map(range).collect();
+        (!poses.is_empty()).then(|| {
+            let Judgement { approach: direction, uncompensated, compensated, .. } = judge(field, set_up, &poses);
+            Self { measured, poses: poses.len(), direction, uncompensated, compensated }
+        })
+    }
+}
+
 /// Returns the figures without and with files at poses (mm, deg), without what a set-up takes out; `field` is the
 /// machine with the files.
 fn judge(field: &dyn Field, set_up: &SetUp, poses: &[Pose]) -> Judgement {
@@ -203,6 +233,9 @@ pub struct CertificateReport {
     /// Figures after each step of a composed set, the last for all of it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<CertificateStep>,
+    /// The figures beyond the measured ranges, over which the others are, where these are less than the volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_measured: Option<CertificateBeyond>,
     /// The figures over a job, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub job: Option<JobCertificate>,
@@ -288,6 +321,7 @@ impl CertificateReport {
             straight: certificate.straight,
             programming: certificate.programming,
             steps: Vec::new(),
+            beyond_measured: CertificateBeyond::of(field, &set_up, scope.depth),
             job: scope.job.as_ref().map(|work| JobCertificate::new(machine, field, work)),
             uncertainty,
             second: None,

@@ -6,7 +6,9 @@ pub use super::budgets::{
     BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
     DeviationBudgetDifference, DrawnDifference, WithheldVerdict,
 };
-pub use super::certificate::{AtReference, CertificateReport, CertificateStep, JobCertificate, ReferenceShift};
+pub use super::certificate::{
+    AtReference, CertificateBeyond, CertificateReport, CertificateStep, JobCertificate, ReferenceShift,
+};
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};

@@ -44,6 +44,9 @@ pub struct AxisSummary {
     pub continuous: bool,
     /// Limits in `unit`; 0 and 360 for a continuous axis.
     pub travel: [f64; 2],
+    /// Range in which its curves were measured, in `unit`, where it is less than the travel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<[f64; 2]>,
     /// `mm` or `deg`.
     pub unit: String,
     /// Arms from the point about which angular errors turn to the functional point, and what hangs on them.
@@ -73,6 +76,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
             origin: axis.origin,
             continuous: axis.travel == Travel::Continuous,
             travel: [min, max],
+            measured: file.measured_range(&axis.name).map(Into::into),
             unit: axis.unit().to_owned(),
             arm_mm,
         }

@@ -251,6 +251,7 @@ codes! {
     W0409 "the tool of a robot without a direction",
     W0410 "six linear axes in one chain",
     W0411 "a bound of an error that has a value",
+    W0412 "a curve stops short of the travel",
     W0601 "an axis is written under another letter",
     W0602 "tables increase the error or have no effect",
     W0603 "the orientation gets worse",

@@ -233,6 +233,6 @@ pub(crate) fn known(machine: &Machine, pose: &[f64]) -> Result<(), Diagnostic> {
     let Some(outside) = machine.outside(pose) else { return Ok(()) };
     let message = format!("{} is not known at {} = {}", outside.error, outside.error.axis, outside.position);
     let (from, to) = outside.domain;
-    let help = format!("its table covers {from} to {to}; a table is never extrapolated");
+    let help = format!("its table covers {from} to {to}; beyond the travel a table is never extrapolated");
     Err(Diagnostic::new(codes::E0803, message).help(help))
 }

@@ -42,6 +42,30 @@ impl Curve {
         }
     }
 
+    /// Returns the curve that goes on straight from its ends to these positions (mm, deg), a natural spline as one;
+    /// `None` of a curve that is not through points.
+    pub fn continued(&self, min: f64, max: f64) -> Option<Self> {
+        let (knots, bend, is_cubic) = match self {
+            Self::Linear(knots) => (knots, vec![0.0; knots.values.len()], false),
+            Self::Cubic(knots, second) => (knots, second.clone(), true),
+            _ => return None,
+        };
+        let (q, v, last) = (&knots.positions, &knots.values, knots.values.len().checked_sub(1)?);
+        let chord = |i: usize| (q[i] - q[i - 1], (v[i] - v[i - 1]) / (q[i] - q[i - 1]));
+        let ((first_step, first_slope), (last_step, last_slope)) = (last > 0).then(|| (chord(1), chord(last)))?;
+        let start = first_slope - first_step / 6.0 * (2.0 * bend[0] + bend[1]);
+        let end = last_slope + last_step / 6.0 * (bend[last - 1] + 2.0 * bend[last]);
+        let mut points: Vec<(f64, f64)> = q.iter().copied().zip(v.iter().copied()).collect();
+        if min < q[0] {
+            points.insert(0, (min, v[0] + start * (min - q[0])));
+        }
+        if max > q[last] {
+            points.push((max, v[last] + end * (max - q[last])));
+        }
+        let knots = Knots::new(&points, None).ok()?;
+        Some(if is_cubic { Self::cubic(knots) } else { Self::Linear(knots) })
+    }
+
     /// Returns the interval in which the curve is defined; `None` if everywhere.
     pub fn domain(&self) -> Option<(f64, f64)> {
         let knots = self.knots().filter(|k| k.period.is_none())?;

@@ -111,6 +111,16 @@ impl JointErrors {
         }
     }
 
+    /// Returns the curves of the component errors with their directions, one or two of each.
+    pub fn curves(&self) -> impl Iterator<Item = (Direction, &Curve)> {
+        self.iter()
+            .filter_map(move |(_, direction, term)| {
+                let ErrorTerm::Component(component) = term else { return None };
+                Some(component.curves().map(move |curve| (direction, curve)))
+            })
+            .flatten()
+    }
+
     /// True if an angular component error is given.
     pub fn tilts(&self) -> bool {
         self.component[3..].iter().any(Option::is_some)

@@ -337,10 +337,15 @@ impl Machine {
         Self { parts, tool: self.tool }
     }
 
-    /// Returns the first error curve that is not defined at the pose. Within the travel there is none.
+    /// Returns the first error curve that is not defined at the pose. Within the travel there is none: a curve that
+    /// stops short of it goes on.
     pub fn outside(&self, pose: &[f64]) -> Option<UndefinedError> {
         self.errors().find_map(|(error, term)| {
-            let position = *pose.get(self.axis_index(error.axis.as_str())?)?;
+            let axis = self.axis_index(error.axis.as_str())?;
+            let position = *pose.get(axis)?;
+            if self.parts.axes[axis].travel.contains(position) {
+                return None;
+            }
             let ErrorTerm::Component(component) = term else { return None };
             let beyond = |d: &(f64, f64)| position < d.0 || position > d.1;
             let domain = component.curves().filter_map(super::Curve::domain).find(beyond)?;

@@ -1,8 +1,8 @@
 //! Uncertainty of the values of errors as independent parts, each of which moves errors by known amounts together.
 
 use super::{
-    Axis, AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, ResidualForm, SetUp, UnheldMotion,
+    Axis, AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors,
+    JointUncertainty, Knots, Machine, ResidualForm, SetUp, Travel, UnheldMotion,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,7 +29,43 @@ impl Machine {
             let known = matches!(term, ErrorTerm::Tolerance(_)) || parts.covariance.iter().any(|p| p.moves(&error));
             (!known).then(|| UncertainPart::Alone(error, term.clone(), half / 2.0))
         });
-        joint.chain(alone).chain(parts.forms.iter().flat_map(|form| self.form_parts(form))).collect()
+        let forms = parts.forms.iter().flat_map(|form| self.form_parts(form));
+        let mut all: Vec<UncertainPart> = joint.chain(alone).chain(forms).collect();
+        // Where nothing is said of uncertainty there are no intervals to widen.
+        if !all.is_empty() {
+            all.extend((0..self.axes().len()).flat_map(|i| self.parts_beyond(i)));
+        }
+        all
+    }
+
+    /// Returns the uncertainty of the curves of an axis beyond their points, one part for each end of an error: the
+    /// curve may rise or fall as steeply as it does anywhere between them, any slope up to there being as likely.
+    fn parts_beyond(&self, i: usize) -> Vec<UncertainPart> {
+        let (axis, errors) = (&self.axes()[i], Arc::new(self.axis_errors(i).clone()));
+        let Travel::Range(min, max) = axis.travel else { return Vec::new() };
+        let stated = self.parts().measured.get(&axis.name).copied();
+        let part = |(direction, curve): (Direction, &Curve)| {
+            let knots = curve.knots().filter(|_| !matches!(curve, Curve::BSpline(_)));
+            let (q, v) = knots.map_or((&[][..], &[][..]), |knots| (knots.positions(), knots.values()));
+            // A last slope that goes on has its last point at the end of the travel, and the one before at that of the
+            // measured range.
+            let range = stated.filter(|range| q.len() > 2 && (q[1] == range.0 || q[q.len() - 2] == range.1));
+            let low = range.map(|range| range.0).filter(|low| q[1] == *low).or(q.first().copied());
+            let high = range.map(|range| range.1).filter(|high| q[q.len() - 2] == *high).or(q.last().copied());
+            let chords = q.windows(2).zip(v.windows(2));
+            let steepest = chords.map(|(q, v)| ((v[1] - v[0]) / (q[1] - q[0])).abs()).fold(0.0, f64::max);
+            let end = |from: f64, to: f64| {
+                let size = steepest * (to - from).abs() / libm::sqrt(3.0);
+                let mut points = [(from, 0.0), (to, size)];
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let id = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction };
+                let curve = Knots::new(&points, None).ok().map(Curve::Linear);
+                curve.filter(|_| size > 0.0).map(|curve| UncertainPart::Form(id, curve, Arc::clone(&errors)))
+            };
+            let low = low.filter(|low| *low > min).and_then(|low| end(low, min));
+            low.into_iter().chain(high.filter(|high| *high < max).and_then(|high| end(high, max))).collect::<Vec<_>>()
+        };
+        errors.curves().flat_map(part).collect()
     }
 
     fn form_parts(&self, form: &ResidualForm) -> Vec<UncertainPart> {
@@ -49,9 +85,27 @@ impl Machine {
         &self.parts().unheld
     }
 
-    /// Returns the range (mm, deg) in which the curves of an axis were measured, if it is less than the travel.
+    /// Returns the range (mm, deg) in which the curves of an axis were measured, if it is less than the travel: what the
+    /// file states of fits, and where all curves through points have points.
     pub fn measured_range(&self, axis: &AxisName) -> Option<(f64, f64)> {
-        self.parts().measured.get(axis).copied()
+        let stated = self.parts().measured.get(axis).copied();
+        let short = self.axis_index(axis.as_str()).into_iter().flat_map(|i| {
+            let (min, max) = self.axes()[i].travel.interval();
+            let short = move |domain: &(f64, f64)| domain.0 > min || domain.1 < max;
+            self.axis_errors(i).curves().filter_map(|(_, curve)| curve.domain()).filter(short)
+        });
+        let both = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
+        stated.into_iter().chain(short).reduce(both).filter(|(low, high)| low < high)
+    }
+
+    /// Returns the intervals (mm, deg) of the volume, axis by axis, without what lies beyond the measured ranges.
+    pub fn measured_volume(&self) -> Vec<(f64, f64)> {
+        let within = |(axis, grid): (&Axis, &Grid)| {
+            let (low, high) = self.measured_range(&axis.name).unwrap_or((grid.min, grid.max));
+            let (min, max) = (grid.min.max(low), grid.max.min(high));
+            if min < max { (min, max) } else { (grid.min, grid.max) }
+        };
+        self.axes().iter().zip(self.volume()).map(within).collect()
     }
 
     /// Returns the range (mm, deg) in which the curves of an axis are judged: where they were measured, if the volume

@@ -367,7 +367,13 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
             let points: Vec<String> =
                 pairs.map(|(q, v)| format!("[{} {unit}, {}]", number(*q), amount(*v, direction))).collect();
             let cubic = if matches!(curve, Curve::Cubic(..)) { "cubic" } else { "linear" };
-            format!("{{ points: [{}], interpolation: {cubic} }}", points.join(", "))
+            // A curve that stops short of the travel does so on purpose.
+            let is_short = |axis: &Axis| {
+                let ((min, max), domain) = (axis.travel.interval(), curve.domain());
+                axis.travel != Travel::Continuous && domain.is_some_and(|(first, last)| first > min || last < max)
+            };
+            let beyond = if axis.is_some_and(is_short) { ", beyond: hold" } else { "" };
+            format!("{{ points: [{}], interpolation: {cubic}{beyond} }}", points.join(", "))
         }
     }
 }

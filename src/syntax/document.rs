@@ -93,6 +93,9 @@ pub struct AxisEntry {
     /// The position at which the control homes it.
     #[schemars(schema_with = "super::schema_forms::home")]
     pub home: Option<Scalar>,
+    /// Beyond the points of its curves, where they stop short of the travel: `hold` (default), `slope` or `refuse`.
+    #[schemars(schema_with = "super::schema_forms::beyond")]
+    pub beyond: Option<String>,
     /// Geometry and errors when it carries the tool, over the plain keys.
     pub on_tool: Option<SideEntry>,
     /// Geometry and errors when it carries the workpiece, over the plain keys.

@@ -302,7 +302,7 @@ pub fn slopes(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "object", "additionalProperties": { "type": "string" } })
 }
 
-/// Exactly one form of a curve; `interpolation` only beside points.
+/// Exactly one form of a curve; `interpolation` and `beyond` only beside points.
 pub fn one_form(schema: &mut Schema) {
     let directions = schema.get("properties").is_some_and(|p| p.get("forward").is_some());
     let single = ["value", "table", "points", "polynomial", "harmonics", "bspline"];
@@ -312,7 +312,7 @@ pub fn one_form(schema: &mut Schema) {
     }
     schema.insert("oneOf".to_owned(), forms.into());
     let between = json!({ "anyOf": [{ "required": ["table"] }, { "required": ["points"] }] });
-    schema.insert("dependencies".to_owned(), json!({ "interpolation": between }));
+    schema.insert("dependencies".to_owned(), json!({ "interpolation": between, "beyond": between }));
 }
 
 /// Functions for fields that hold one of some words.
@@ -338,4 +338,6 @@ words! {
     location_order: ["nilpotent", "real"], "Order of location errors.";
     joints: ["orthogonal", "linearised"], "Shape of error matrices.";
     interpolation: ["linear", "cubic"], "Between points.";
+    beyond: ["hold", "slope", "refuse"], "Beyond the points of curves that stop short of the travel: the last value, the \
+        last slope, or not at all.";
 }

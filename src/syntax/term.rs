@@ -37,6 +37,9 @@ macro_rules! entry_with_curve {
             /// Between points: `linear` (default) or `cubic`.
             #[schemars(schema_with = "super::schema_forms::interpolation")]
             pub interpolation: Option<String>,
+            /// Beyond the points, where they stop short of the travel: `hold` (default), `slope` or `refuse`.
+            #[schemars(schema_with = "super::schema_forms::beyond")]
+            pub beyond: Option<String>,
             /// Coefficients by rising power of the position.
             #[schemars(schema_with = "super::schema_forms::polynomial")]
             pub polynomial: Option<Vec<Scalar>>,
@@ -90,6 +93,7 @@ impl TermEntry {
             table: self.table.clone(),
             points: self.points.clone(),
             interpolation: self.interpolation.clone(),
+            beyond: self.beyond.clone(),
             polynomial: self.polynomial.clone(),
             harmonics: self.harmonics.clone(),
             bspline: self.bspline.clone(),

@@ -121,6 +121,7 @@ mod scales;
 mod schema;
 mod second_hour;
 mod second_measurement;
+mod short_curves;
 mod show;
 mod sides;
 mod spikes;

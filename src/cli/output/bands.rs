@@ -3,6 +3,7 @@
 use super::view::table;
 use abbe::results::{Bands, SummaryBand};
 use abbe::text::{counted, significant};
+use std::collections::BTreeMap;
 
 /// A table of intervals, a row for positions and one for rotations of each name.
 pub(crate) fn text(of: &[(String, &Bands)]) -> String {
@@ -19,6 +20,14 @@ pub(crate) fn text(of: &[(String, &Bands)]) -> String {
     let how = if first.drawn { "drawn, the middle 95 %" } else { "first order, k = 2" };
     let parts = counted(first.parts, "independent part");
     format!("With the uncertainty of the errors ({parts}; {how}) the figures lie within:\n{rows}\n")
+}
+
+/// Measured ranges in words, mm and deg.
+pub(crate) fn ranges(of: &BTreeMap<String, [f64; 2]>) -> String {
+    let range = |(axis, [min, max]): (&String, &[f64; 2])| {
+        format!("{axis} from {} to {}", significant(*min, 6), significant(*max, 6))
+    };
+    of.iter().map(range).collect::<Vec<_>>().join(", ")
 }
 
 fn end(value: f64) -> String {

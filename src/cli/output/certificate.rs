@@ -64,7 +64,7 @@ impl CertificateView<'_> {
         let what = &self.report.controller.manifest;
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
-            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table \
+            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the {}volume, none a table \
              point, {}{}\n",
             self.report.machine.name(),
             what.title,
@@ -72,6 +72,7 @@ impl CertificateView<'_> {
             self.folder.display(),
             tool(&self.report.machine, &self.report.controller),
             self.report.poses,
+            if self.report.beyond_measured.is_some() { "measured part of the " } else { "" },
             self.report.over.reference_words(),
             approached(self.report.direction)
         )
@@ -133,7 +134,23 @@ impl CertificateView<'_> {
         });
         let left = self.report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
         let ratio = ratio(&before.position_um, &after.position_um, left);
-        format!("{table}\n{bands}{steps}{straight}{ratio}{raised}{}", self.reference_shift())
+        let (beyond, shift) = (self.beyond_measured(), self.reference_shift());
+        format!("{table}\n{bands}{steps}{straight}{ratio}{beyond}{raised}{shift}")
+    }
+
+    /// Returns the figures where curves were not measured.
+    fn beyond_measured(&self) -> String {
+        let Some(of) = &self.report.beyond_measured else { return String::new() };
+        let ranges = bands::ranges(&of.measured);
+        let rows = [("uncompensated", &of.uncompensated), ("compensated", &of.compensated)].map(|(state, of)| {
+            let [p95, max] = [of.position_um.p95, of.position_um.max].map(|x| significant(x, 4));
+            format!("{state} 95 % {p95} um, max {max} um")
+        });
+        format!(
+            "Measured: {ranges}. At {} poses beyond, where curves go on without a measurement: {}.\n",
+            of.poses,
+            rows.join("; ")
+        )
     }
 
     /// Returns the figures after each step of a composed set.

@@ -1,5 +1,6 @@
 //! `abbe check`: all diagnostics, and a summary of the machine.
 
+use crate::cli::output::bands;
 use crate::cli::output::budget_text::coverage_line;
 use crate::cli::output::session::Session;
 use crate::cli::{Exit, Format, Outcome};
@@ -9,6 +10,7 @@ use abbe::text::annotations;
 use abbe::text::{angle, cell, counts, length, shown, significant};
 use abbe::{MachineFile, check, summary};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -62,6 +64,11 @@ fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
     let mut text = format!("{}\n  chain   {}\n  axes    {}\n", machine.name(), machine.chain(), axes.join(", "));
+    let measured: BTreeMap<String, [f64; 2]> =
+        short.axes.iter().filter_map(|axis| Some((axis.name.clone(), axis.measured?))).collect();
+    if !measured.is_empty() {
+        text.push_str(&format!("  measured {}; beyond, curves go on unmeasured\n", bands::ranges(&measured)));
+    }
     let class = machine.class().map_or_else(String::new, |class| format!("; class {}", shown(&class.name)));
     text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded{class}\n"));
     text.push_str(&coverage_line(&short.coverage).map_or_else(String::new, |line| format!("  known   {line}\n")));

@@ -207,11 +207,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 
 /// The poses beyond what was measured, in words.
 fn beyond_measured(of: &BeyondMeasured) -> String {
-    let range = |(axis, [min, max]): (&String, &[f64; 2])| {
-        format!("{axis} from {} to {}", significant(*min, 6), significant(*max, 6))
-    };
-    let ranges: Vec<String> = of.measured.iter().map(range).collect();
-    format!("{} of {} poses are beyond what was measured: {}\n", of.poses, of.of, ranges.join(", "))
+    format!("{} of {} poses are beyond what was measured: {}\n", of.poses, of.of, bands::ranges(&of.measured))
 }
 
 /// The map of a machine of which nothing is measured.

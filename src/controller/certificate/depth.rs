@@ -1,7 +1,7 @@
 //! Number of poses of a certificate and of its single errors.
 
 use crate::controller::replay::Replay;
-use crate::evaluate::random_poses;
+use crate::evaluate::{Poses, Random};
 use crate::machine::{Machine, Pose};
 use std::collections::BTreeSet;
 
@@ -21,9 +21,25 @@ const MAX_SINGLE_POSES: usize = 2000;
 const MAX_SINGLE_NODES: usize = 16_384;
 
 impl Depth {
-    /// Returns the poses, spread over the volume.
+    /// Returns the poses, spread over the measured part of the volume.
     pub fn poses(self, machine: &Machine) -> Vec<Pose> {
-        random_poses(machine, self.poses, self.seed)
+        Poses::Random(Random::new(machine.measured_volume(), self.poses, self.seed)).iter().collect()
+    }
+
+    /// Returns as many poses spread over the volume, each with an axis in turn beyond what was measured of it; none of a
+    /// volume that is measured everywhere.
+    pub fn poses_beyond(self, machine: &Machine) -> Vec<Pose> {
+        let short: Vec<_> = machine.measured_volume().into_iter().zip(machine.volume()).enumerate().collect();
+        let short: Vec<_> =
+            short.into_iter().filter(|(_, ((low, high), grid))| *low > grid.min || *high < grid.max).collect();
+        let mut poses = Poses::Random(Random::of(machine, self.poses, self.seed)).iter().collect::<Vec<Pose>>();
+        for (pose, (axis, ((low, high), grid))) in poses.iter_mut().zip(short.iter().cycle()) {
+            // The place along the axis, as a length along its two ends.
+            let (before, behind) = (low - grid.min, grid.max - high);
+            let along = (pose[*axis] - grid.min) / (grid.max - grid.min) * (before + behind);
+            pose[*axis] = if along < before { grid.min + along } else { high + (along - before) };
+        }
+        if short.is_empty() { Vec::new() } else { poses }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, block_key, position};
+use super::short::Beyond;
 use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
 use crate::syntax::{AxisEntry, ControllerEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
@@ -20,6 +21,8 @@ pub struct AxisDraft {
     pub sense: Option<Sense>,
     pub controller: ControllerAxis,
     pub home: Option<f64>,
+    /// The course of its curves beyond their points, unless a curve says otherwise.
+    pub beyond: Option<Beyond>,
     /// The plain keys.
     pub plain: SideDraft,
     /// The blocks `on_tool` and `on_workpiece`.
@@ -114,6 +117,7 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
         sense: None,
         controller: ControllerAxis::default(),
         home: None,
+        beyond: None,
         plain,
         on_tool,
         on_workpiece,
@@ -136,7 +140,8 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
     });
     let controller = controller(context, &name, entry, &at);
     let home = kind.zip(entry.home.as_ref()).and_then(|(kind, written)| home(context, kind, written, travel, &at));
-    Some(AxisDraft { kind, sense, controller, home, plain, on_tool, on_workpiece, ..unknown })
+    let beyond = Beyond::read(context, entry.beyond.as_ref(), &below(&at, "beyond"));
+    Some(AxisDraft { kind, sense, controller, home, beyond, plain, on_tool, on_workpiece, ..unknown })
 }
 
 /// Returns the position at which an axis is homed; one beyond the travel is refused.

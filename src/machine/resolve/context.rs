@@ -1,5 +1,6 @@
 //! The context of every pass of resolution: document, files and diagnostics.
 
+use super::short::ShortCurve;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, shown};
 use crate::syntax::{CsvTable, Document, Files, Keys, below, read_table};
 use std::collections::BTreeMap;
@@ -10,6 +11,8 @@ use std::rc::Rc;
 pub struct Context<'a> {
     pub document: &'a Document,
     pub diagnostics: &'a mut Diagnostics,
+    /// Curves that go on beyond their points.
+    pub short: Vec<ShortCurve>,
     files: &'a dyn Files,
     /// Tables are read once, however many errors they carry.
     tables: BTreeMap<PathBuf, Option<Rc<CsvTable>>>,
@@ -17,7 +20,7 @@ pub struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub fn new(document: &'a Document, files: &'a dyn Files, diagnostics: &'a mut Diagnostics) -> Self {
-        Self { document, diagnostics, files, tables: BTreeMap::new() }
+        Self { document, diagnostics, short: Vec::new(), files, tables: BTreeMap::new() }
     }
 
     /// Reports at the value of an entry.

@@ -3,6 +3,7 @@
 use super::axes::AxisDraft;
 use super::context::Context;
 use super::names::{in_other_letters, readings};
+use super::short::{Beyond, beyond};
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
 use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below};
@@ -37,9 +38,9 @@ impl CurveOf<'_> {
 pub fn component(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
     if let Some(path) = &entry.table {
         let here = below(at, "table");
-        let (cubic, table) = (cubic(context, entry, at), context.table(&here, path));
+        let (between, table) = (between(context, entry, at), context.table(&here, path));
         let named = context.document.places.value(&here);
-        return from_table(context, of, &table?, cubic?, named);
+        return from_table(context, of, &table?, between?, named);
     }
     curve(context, of, entry, at).map(ComponentError::Single)
 }
@@ -60,10 +61,18 @@ pub fn one_way(
     })
 }
 
-fn cubic(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<bool> {
+/// The course of a curve between its points and beyond them.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Between {
+    cubic: bool,
+    beyond: Option<Beyond>,
+}
+
+fn between(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<Between> {
+    let beyond = Beyond::read(context, entry.beyond.as_ref(), &below(at, "beyond"));
     match entry.interpolation.as_deref() {
-        None | Some("linear") => Some(false),
-        Some("cubic") => Some(true),
+        None | Some("linear") => Some(Between { cubic: false, beyond }),
+        Some("cubic") => Some(Between { cubic: true, beyond }),
         Some(other) => {
             let help = did_you_mean(other, &["linear", "cubic"]);
             let message = format!("`{}` is not a choice for `interpolation`", shown(other));
@@ -75,18 +84,10 @@ fn cubic(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<bool> {
 
 fn curve(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<Curve> {
     if let Some(points) = &entry.points {
-        let cubic = cubic(context, entry, at);
-        return from_points(context, of, points, cubic?, &below(at, "points"));
+        let between = between(context, entry, at);
+        return from_points(context, of, points, between?, &below(at, "points"));
     }
-    if entry.interpolation.is_some() {
-        let help = "`interpolation` belongs to `table` or `points`";
-        context.at_key(
-            codes::E0209,
-            &below(at, "interpolation"),
-            "`interpolation` has nothing to interpolate here",
-            help,
-        );
-    }
+    refuse_without_points(context, entry, at);
     if let Some(coefficients) = &entry.polynomial {
         return polynomial(context, of, coefficients, &below(at, "polynomial"));
     }
@@ -98,6 +99,19 @@ fn curve(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys)
     }
     let value = context.error_value(entry.value.as_ref()?, of.error.direction, &context.value_of(at))? * of.sign();
     Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
+}
+
+/// Refuses keys that say how points are joined where there are none.
+pub fn refuse_without_points(context: &mut Context, entry: &CurveEntry, at: &Keys) {
+    let keys = [
+        ("interpolation", "interpolate", entry.interpolation.is_some()),
+        ("beyond", "continue", entry.beyond.is_some()),
+    ];
+    for (key, act, _) in keys.into_iter().filter(|(_, _, is_there)| *is_there) {
+        let (message, help) =
+            (format!("`{key}` has nothing to {act} here"), format!("`{key}` belongs to `table` or `points`"));
+        context.at_key(codes::E0209, &below(at, key), message, help);
+    }
 }
 
 fn polynomial(context: &mut Context, of: &CurveOf<'_>, list: &[Scalar], at: &Keys) -> Option<Curve> {
@@ -204,7 +218,7 @@ fn bspline(context: &mut Context, of: &CurveOf<'_>, entry: &BSplineEntry, at: &K
     let place = |at: &Keys| context.document.places.value(at);
     match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
         Ok(spline) => {
-            covers(context, of, spline.breaks(), place(&at_knots))?;
+            let _ = beyond(context, of, spline.breaks(), place(&at_knots), Some(Beyond::Refuse))?;
             Some(Curve::BSpline(Box::new(spline)))
         }
         Err(failure) => {
@@ -234,7 +248,7 @@ fn from_points(
     context: &mut Context,
     of: &CurveOf<'_>,
     points: &[Vec<Scalar>],
-    cubic: bool,
+    between: Between,
     at: &Keys,
 ) -> Option<Curve> {
     let mut pairs = Vec::new();
@@ -252,7 +266,7 @@ fn from_points(
         return None;
     }
     let places: Vec<Option<Place>> = (0..points.len()).map(|i| context.document.places.value(&below(at, i))).collect();
-    knots(context, of, pairs, cubic, context.document.places.value(at), &|i| places.get(i).cloned().flatten())
+    knots(context, of, pairs, between, context.document.places.value(at), &|i| places.get(i).cloned().flatten())
 }
 
 /// Columns of the error in a table, both directions if they are apart.
@@ -260,14 +274,14 @@ pub fn from_table(
     context: &mut Context,
     of: &CurveOf<'_>,
     table: &Rc<CsvTable>,
-    cubic: bool,
+    between: Between,
     named: Option<Place>,
 ) -> Option<ComponentError> {
     let positions = positions(context, of, table, &named)?;
     let column = |direction| table.columns[1..].iter().find(|c| c.direction == direction && carries(c, of));
     let forward = column(Some(ColumnDirection::Forward));
     let reverse = column(Some(ColumnDirection::Reverse));
-    let mut curve = |column| from_column(context, of, table, &positions, column, cubic);
+    let mut curve = |column| from_column(context, of, table, &positions, column, between);
     match (column(None), forward, reverse) {
         (Some(both), None, None) => curve(both).map(ComponentError::Single),
         (None, Some(forward), Some(reverse)) => {
@@ -349,7 +363,7 @@ fn from_column(
     table: &CsvTable,
     positions: &[f64],
     column: &CsvColumn,
-    cubic: bool,
+    between: Between,
 ) -> Option<Curve> {
     let (written, factor, dimension) = &column.unit;
     let rotation = of.error.direction.is_rotation();
@@ -369,7 +383,7 @@ fn from_column(
     let negated = readings(&column.name).iter().any(|r| r.error == *of.error && r.negated) != of.negated;
     let sign = if negated { -1.0 } else { 1.0 };
     let pairs = positions.iter().zip(&column.values).map(|(p, v)| (*p, v * factor * sign)).collect();
-    knots(context, of, pairs, cubic, Some(column.place.clone()), &|i| table.rows.get(i).cloned())
+    knots(context, of, pairs, between, Some(column.place.clone()), &|i| table.rows.get(i).cloned())
 }
 
 /// Points to a curve that covers the travel.
@@ -377,7 +391,7 @@ fn knots(
     context: &mut Context,
     of: &CurveOf<'_>,
     pairs: Vec<(f64, f64)>,
-    cubic: bool,
+    between: Between,
     place: Option<Place>,
     row: &dyn Fn(usize) -> Option<Place>,
 ) -> Option<Curve> {
@@ -385,8 +399,10 @@ fn knots(
     let pairs = snap(pairs, of.axis.travel);
     match Knots::new(&pairs, period) {
         Ok(knots) => {
-            covers(context, of, &knots, place)?;
-            Some(if cubic { Curve::cubic(knots) } else { Curve::Linear(knots) })
+            let beyond = beyond(context, of, &knots, place, between.beyond)?;
+            let curve = if between.cubic { Curve::cubic(knots) } else { Curve::Linear(knots) };
+            let on = ends(of.axis.travel).filter(|_| beyond == Beyond::Slope);
+            Some(on.and_then(|(min, max)| curve.continued(min, max)).unwrap_or(curve))
         }
         Err(failure) => {
             let (message, at, help) = explain(&failure, of, &pairs, row);
@@ -458,21 +474,4 @@ fn explain(
         ),
         KnotsFailure::NotFinite(i) => (format!("a point of `{name}` is not finite"), row(*i), "write finite numbers"),
     }
-}
-
-fn covers(context: &mut Context, of: &CurveOf<'_>, knots: &Knots, place: Option<Place>) -> Option<()> {
-    let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(()) };
-    let (first, last) = (knots.positions().first()?, knots.positions().last()?);
-    if *first <= min && *last >= max {
-        return Some(());
-    }
-    let unit = if of.kind == AxisKind::Linear { "mm" } else { "deg" };
-    let message = format!(
-        "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
-        of.error, of.error.axis
-    );
-    let travel = context.document.places.value(&of.axis.travel_entry());
-    let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel, "the travel");
-    context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
-    None
 }

@@ -1,7 +1,7 @@
 //! Error terms: names, their axes, one place each, plausible size.
 
 use super::context::{Context, dotted_path};
-use super::curves::{CurveOf, component, from_table, one_way};
+use super::curves::{Between, CurveOf, component, from_table, one_way, refuse_without_points};
 use super::found_errors::{Errors, bounded};
 use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
@@ -167,6 +167,7 @@ pub fn term(
     }
     let error = &spelling.error;
     if let Some(scalar) = &entry.tolerance {
+        refuse_without_points(context, &entry.curve(), at);
         let figure = FigureEntry { value: Some(scalar.clone()), words: Vec::new() };
         warn_oblique(context, error, known, &figure, at);
         return bounded(context, scalar, error.direction, &below(at, "tolerance")).map(ErrorTerm::Tolerance);
@@ -183,6 +184,7 @@ pub fn term(
     // Faults of the axis have been reported there.
     let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
     let component = if forms == ["forward"] {
+        refuse_without_points(context, &entry.curve(), at);
         both_ways(context, &of, entry, at)
     } else {
         component(context, &of, &entry.curve(), at)
@@ -199,8 +201,10 @@ fn constant(
     at: &Keys,
 ) -> Option<ErrorTerm> {
     let error = &spelling.error;
-    let Some(scalar) = entry.value.as_ref().filter(|_| entry.interpolation.is_none()) else {
-        let form = if entry.interpolation.is_some() { "interpolation" } else { forms.first().copied().unwrap_or("") };
+    let joined = [("interpolation", &entry.interpolation), ("beyond", &entry.beyond)];
+    let joined = joined.into_iter().find(|(_, word)| word.is_some()).map(|(key, _)| key);
+    let Some(scalar) = entry.value.as_ref().filter(|_| joined.is_none()) else {
+        let form = joined.or(forms.first().copied()).unwrap_or("");
         let help = format!("write one value: `{error}: 12 urad`; what varies with the position is a component error");
         context.at_key(codes::E0408, &below(at, form), format!("`{error}` is a location error, a constant"), help);
         return None;
@@ -267,7 +271,7 @@ fn read_columns(
         let Some(kind) = axis.kind else { continue };
         let of = CurveOf { error, axis, kind, negated: spelling.negated };
         let named = context.document.places.value(at);
-        let component = from_table(context, &of, &table, false, named);
+        let component = from_table(context, &of, &table, Between::default(), named);
         let component = component.filter(|c| plausible_curve(context, &of, c, at));
         errors.put(error, component.map(ErrorTerm::Component));
     }

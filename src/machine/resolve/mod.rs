@@ -16,6 +16,7 @@ mod names;
 mod parts;
 mod positions;
 mod quantities;
+mod short;
 mod side_errors;
 mod sides;
 mod tolerances;
@@ -70,7 +71,8 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
     let mut errors = side_errors::errors(context, &known, &walk);
     let tolerances = tolerances::frames(context, &known, &errors);
     let class = tolerances::class(context);
-    let Covariance { joint: covariance, forms, unheld, measured } = covariance::covariance(context, &known);
+    let Covariance { joint: covariance, forms, unheld, mut measured } = covariance::covariance(context, &known);
+    short::report(context, &mut measured);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());

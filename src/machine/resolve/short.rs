@@ -1,0 +1,123 @@
+//! Curves that stop short of the travel: the last value holds beyond, or the last slope goes on.
+
+use super::context::Context;
+use super::curves::CurveOf;
+use super::errors::unit;
+use crate::diagnostic::{Diagnostic, Place, codes};
+use crate::machine::{AxisKind, AxisName, ErrorId, Knots, Travel};
+use crate::syntax::Keys;
+use std::collections::BTreeMap;
+
+/// Part of the measured range up to which a curve goes on beyond either end. Laser interferometers stop a few
+/// millimetres short of the ends, for overrun and fixtures; more than a tenth is a part of the axis that nobody
+/// measured.
+const MOST_BEYOND: f64 = 0.1;
+/// Rounding of that part.
+const ROUNDING: f64 = 1e-9;
+
+/// The course of a curve beyond its points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Beyond {
+    /// The last value holds.
+    Hold,
+    /// The last slope goes on.
+    Slope,
+    /// The curve is refused.
+    Refuse,
+}
+
+impl Beyond {
+    /// Reads the key `beyond` of an axis or a curve.
+    pub fn read(context: &mut Context, word: Option<&String>, at: &Keys) -> Option<Self> {
+        context.choice(word?, at, &["hold", "slope", "refuse"])
+    }
+}
+
+/// A curve that goes on beyond its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShortCurve {
+    error: ErrorId,
+    kind: AxisKind,
+    /// First and last point (mm, deg).
+    measured: (f64, f64),
+    travel: (f64, f64),
+    beyond: Beyond,
+    /// True if the file says so.
+    is_stated: bool,
+    place: Option<Place>,
+    travel_place: Option<Place>,
+}
+
+/// Returns the course of a curve beyond its points, notes it if there is anything beyond, and refuses a curve that
+/// leaves too much of the travel.
+pub fn beyond(
+    context: &mut Context,
+    of: &CurveOf<'_>,
+    knots: &Knots,
+    place: Option<Place>,
+    stated: Option<Beyond>,
+) -> Option<Beyond> {
+    let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(Beyond::Hold) };
+    let measured = (*knots.positions().first()?, *knots.positions().last()?);
+    let (first, last) = measured;
+    if first <= min && last >= max {
+        return Some(Beyond::Hold);
+    }
+    let stated = stated.or(of.axis.beyond);
+    let (beyond, most) = (stated.unwrap_or(Beyond::Hold), MOST_BEYOND * (last - first));
+    let travel_place = context.document.places.value(&of.axis.travel_entry());
+    if beyond != Beyond::Refuse && (first - min).max(max - last) <= most * (1.0 + ROUNDING) {
+        let (error, kind, travel) = (of.error.clone(), of.kind, (min, max));
+        let is_stated = stated.is_some();
+        let short = ShortCurve { error, kind, measured, travel, beyond, is_stated, place, travel_place };
+        if !context.short.contains(&short) {
+            context.short.push(short);
+        }
+        return Some(beyond);
+    }
+    let unit = unit(of.kind);
+    let message = format!(
+        "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
+        of.error, of.error.axis
+    );
+    let help = if beyond == Beyond::Refuse {
+        "measure the rest or shorten the travel; nothing is extrapolated".to_owned()
+    } else {
+        format!("measure the rest or shorten the travel; at most {most} {unit}, a tenth, go on beyond either end")
+    };
+    let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel_place, "the travel");
+    context.diagnostics.push(refusal.help(help));
+    None
+}
+
+/// Warns of curves that go on beyond their points where the file does not say so, once for curves of one range, and
+/// narrows the measured ranges of axes to those of curves whose slope goes on.
+pub fn report(context: &mut Context, measured: &mut BTreeMap<AxisName, (f64, f64)>) {
+    let all = std::mem::take(&mut context.short);
+    for short in all.iter().filter(|short| short.beyond == Beyond::Slope) {
+        let range = measured.entry(short.error.axis.clone()).or_insert(short.measured);
+        *range = (range.0.max(short.measured.0), range.1.min(short.measured.1));
+    }
+    let alike = |a: &ShortCurve, b: &ShortCurve| {
+        a.error.axis == b.error.axis && (a.measured, a.travel, a.is_stated) == (b.measured, b.travel, b.is_stated)
+    };
+    for (i, short) in all.iter().enumerate().filter(|(_, short)| !short.is_stated) {
+        if all[..i].iter().any(|other| alike(other, short)) {
+            continue;
+        }
+        let mut names: Vec<String> =
+            all.iter().filter(|other| alike(other, short)).map(|other| format!("`{}`", other.error)).collect();
+        names.dedup();
+        let ((first, last), (min, max), unit) = (short.measured, short.travel, unit(short.kind));
+        let (verb, hold) =
+            if names.len() == 1 { ("is", "it holds its last value") } else { ("are", "they hold their last values") };
+        let message = format!(
+            "{} {verb} given from {first} to {last} {unit} of a travel from {min} to {max} {unit}: {hold} beyond",
+            names.join(", ")
+        );
+        let help = "say so by `beyond: hold` beside the curve or the axis; `slope` goes on straight, `refuse` does not";
+        let warning = Diagnostic::new(codes::W0412, message).at(short.place.clone(), "");
+        context.diagnostics.push(warning.at(short.travel_place.clone(), "the travel").help(help));
+    }
+}
