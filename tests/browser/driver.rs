@@ -113,8 +113,12 @@ impl Browser {
     /// Presses keys one after the other, where the focus is.
     pub fn press(&self, keys: &[&str]) {
         let stroke = |key: &&str| [json!({"type": "keyDown", "value": key}), json!({"type": "keyUp", "value": key})];
-        let actions: Vec<Value> = keys.iter().flat_map(stroke).collect();
-        let _ = self.ask("actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": actions}]}));
+        self.act(&keys.iter().flat_map(stroke).collect());
+    }
+
+    /// Presses and lets go of keys, as WebDriver has them.
+    pub fn act(&self, strokes: &Value) {
+        let _ = self.ask("actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": strokes}]}));
     }
 
     /// Drags from one point of the window to another.

@@ -7,6 +7,7 @@
 // A test that panics is a test that fails: nothing to be careful about.
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod blank;
 #[path = "../it/support/checks.rs"]
 mod checks;
 mod driver;
@@ -24,7 +25,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 36] = [
+const CHECKS: [checks::Check; 38] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -34,6 +35,8 @@ const CHECKS: [checks::Check; 36] = [
     ("a report without an engine shows its figures and changes nothing", mailed::read_only),
     ("a report of bounds says where it has no value", mailed::bounded),
     ("screenshots of a report", mailed::screenshots),
+    ("a mailed page is never blank, with a part and without", blank::mailed),
+    ("the workbench is never blank, and what is not current says so", blank::workbench),
     ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),

@@ -19,7 +19,7 @@ pub struct Bench {
     pub browser: Browser,
     pub file: PathBuf,
     address: String,
-    _serving: Option<Serving>,
+    serving: Option<Serving>,
     _folder: Folder,
 }
 
@@ -48,7 +48,7 @@ impl Bench {
         assert!(address.starts_with("http://127.0.0.1:"), "{line}");
         let browser = Browser::new(width, height);
         browser.open(&address);
-        let bench = Self { browser, file, address, _serving: Some(Serving(child)), _folder: folder };
+        let bench = Self { browser, file, address, serving: Some(Serving(child)), _folder: folder };
         bench.settled();
         bench
     }
@@ -61,9 +61,31 @@ impl Bench {
         copy(Path::new("configs/errors"), &folder.0.join("errors"));
         let browser = Browser::new(1400, 900);
         browser.open_file(page);
-        let bench = Self { browser, file, address: String::new(), _serving: None, _folder: folder };
+        let bench = Self { browser, file, address: String::new(), serving: None, _folder: folder };
         bench.settled();
         bench
+    }
+
+    /// Ends the program that serves the page, and returns its port.
+    pub fn end(&mut self) -> String {
+        self.serving = None;
+        self.address.trim_end_matches('/').rsplit(':').next().unwrap().to_owned()
+    }
+
+    /// Starts another one on the same port.
+    pub fn begin_anew(&mut self, port: &str) {
+        let mut child = abbe()
+            .arg("workbench")
+            .arg(&self.file)
+            .args(["--port", port])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        self.address = line.split(' ').next().unwrap().to_owned();
+        self.serving = Some(Serving(child));
     }
 
     /// Waits until all is computed for the text as it is.

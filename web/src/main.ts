@@ -16,6 +16,7 @@ import {
   accepted,
   type Axis,
   type Chain,
+  Conflict,
   type Diagnostic,
   type Evaluator,
   type Pose,
@@ -38,21 +39,27 @@ import { StatisticsTable } from "./review/statistics";
 import { Tighten } from "./review/tighten";
 import { Variants } from "./review/variants";
 import { Verdict } from "./review/verdict";
-import { type Findings, Session, type State } from "./session";
+import { type Findings, isSettled, Session, type State } from "./session";
 import { move, place } from "./ui/address";
 import { Chips } from "./ui/chips";
+import { choices } from "./ui/conflict";
 import { button, byId, make } from "./ui/dom";
 import { download } from "./ui/download";
 import { Tabs } from "./ui/tabs";
+import { Problems } from "./ui/problems";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
 
-/** Time between two looks at the file on the disk, ms. */
-const LOOK = 400;
+/** Time between two looks at the file on the disk, and where the program does not answer, ms. */
+const [LOOK, LOOK_LOST] = [400, 2000];
+
+/** Code of a tool that a machine does not have. */
+const NO_TOOL = "E0801";
 
 const PICTURE = { title: "Download the picture as PNG" };
 
 class Workbench {
+  private readonly problems = new Problems();
   private readonly nonce = document.querySelector("style")?.nonce ?? "";
   private readonly editor: Editor;
   private readonly whatif: WhatIf;
@@ -111,7 +118,7 @@ class Workbench {
     this.session = new Session(
       evaluator,
       (state) => this.show(state),
-      (message) => this.complain(message),
+      (message) => this.problems.outdates("figures", message),
       working,
     );
     this.editor = new Editor(byId("editor"), this.nonce, store.isReadOnly, {
@@ -124,7 +131,7 @@ class Workbench {
     this.whatif = new WhatIf(byId("whatif"), this.editor);
     this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
     this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session, () => this.beside.view);
-    const failed = (failure: unknown) => this.complain(String(failure));
+    const failed = (failure: unknown) => this.problems.outdates("figures", said(failure));
     this.reach = new ReachLine(byId("reach"), this.session, failed);
     const { session, panels, editor } = this;
     const { tell } = this.answers;
@@ -135,7 +142,16 @@ class Workbench {
     const kept = (first: string) => this.beside.take(first);
     this.variants = new Variants(panels.variants, session, editor, () => this.part.work, kept, tell, failed);
     const onPart = (work: Work | null) => this.verdict.over(work);
-    this.part = new Part(panels.part, session, this.stage, (pose) => this.sliders.go(pose), onPart, tell, failed);
+    this.part = new Part(
+      panels.part,
+      session,
+      this.stage,
+      (pose) => this.sliders.go(pose),
+      onPart,
+      tell,
+      failed,
+      this.verdict.job,
+    );
     this.control = new Control(panels.control, session, () => this.beside.take(null), tell, failed);
     this.acceptance = new Acceptance(panels.acceptance, session, tell, failed);
     this.tabs = new Tabs(byId("review"), "Review", [
@@ -174,6 +190,7 @@ class Workbench {
   private report(report: Report): void {
     this.session.settings = report.settings;
     this.part.stated = report.part;
+    if (this.tools.chosen && this.tools.chosen !== report.tool && report.isReadOnly) this.withoutTool(report.tool);
     if (!this.tools.chosen) this.tools.chosen = report.tool;
     byId("note").textContent = report.note;
     const below = button("Report ↓", () => byId("report").scrollIntoView(), {
@@ -186,22 +203,67 @@ class Workbench {
   async follow(): Promise<void> {
     let seen = 0;
     for (;;) {
-      await new Promise((resolve) => setTimeout(resolve, LOOK));
+      await new Promise((resolve) => setTimeout(resolve, this.isLost ? LOOK_LOST : LOOK));
       const before = this.session.kept;
-      const found = await this.store.follow?.().catch(() => null);
+      const found = await this.store.follow?.().catch((failure: unknown) => this.lost(failure));
       if (!found) continue;
+      if (this.isLost) this.found();
       // An answer from before the file was saved here says nothing of it.
       const isNews = found.text !== before && this.session.kept === before;
-      if (found.text !== null && isNews) this.takeOver(found.text);
+      if (found.text !== null && isNews && found.text !== this.theirs) this.takeOver(found.text);
+      if (found.text === before && this.theirs !== null) this.agrees();
       if (found.changes !== seen) this.session.refresh();
       seen = found.changes;
     }
   }
 
+  private isLost = false;
+
+  /** The program cannot be asked: nothing that is shown is known to be so still. */
+  private lost(failure: unknown): null {
+    this.isLost = true;
+    this.problems.outdates("program", `${capital(said(failure))}. What is changed here stays, and is not saved.`);
+    return null;
+  }
+
+  private found(): void {
+    this.isLost = false;
+    this.problems.clear("program");
+    this.session.refresh();
+  }
+
+  /** The text of others that was told of last. */
+  private theirs: string | null = null;
+
+  /** Others wrote the file, and something is changed here. */
+  private differs(words: string, theirs: string): void {
+    this.theirs = theirs;
+    const mine = () => this.editor.text;
+    const take = () => {
+      this.session.keep(theirs);
+      this.problems.clear("save");
+      this.editor.change(difference(mine(), theirs));
+      this.buttons();
+    };
+    const over = () => {
+      this.session.keep(theirs);
+      this.problems.clear("save");
+      this.changed(false);
+    };
+    this.problems.say("save", words, ...choices(this.session.machine, mine, theirs, take, over));
+  }
+
+  /** What others wrote is what the page has, or gone again. */
+  private agrees(): void {
+    this.theirs = null;
+    this.problems.clear("save");
+  }
+
   private takeOver(text: string): void {
     if (this.isChanged && this.editor.text !== text)
-      return this.complain(
+      return this.differs(
         "The file on the disk has changed since the page read it; what is changed here is not saved.",
+        text,
       );
     this.session.keep(text);
     if (this.editor.text !== text) this.editor.change(difference(this.editor.text, text));
@@ -209,6 +271,7 @@ class Workbench {
   }
 
   private take(tool: string): void {
+    this.problems.clear("tool");
     move({ tool });
     this.session.take(tool);
     this.changed(false);
@@ -230,36 +293,41 @@ class Workbench {
     this.keep.textContent = this.store.verb + (this.isChanged ? " •" : "");
   }
 
+  /** Keeps the text; one that no machine can be read from only when asked again. */
   private async save(): Promise<void> {
     const text = this.editor.text;
+    const fault = text.trim() ? await this.session.fault(text) : "it is empty";
+    if (!fault) return this.write(text);
+    const stop = button("Do not save", () => (this.problems.clear("save"), this.editor.view.focus()));
+    const go = button("Save it all the same", () => void this.write(text), { id: "save-anyway" });
+    this.problems.say("save", `No machine can be read from this text: ${fault}.`, stop, go);
+    stop.focus();
+  }
+
+  private async write(text: string): Promise<void> {
     try {
       await this.store.save(text, this.session.kept);
       this.session.keep(text);
-      this.complain("");
+      this.problems.clear("save");
       this.changed(false);
     } catch (failure) {
-      this.complain(`Not saved: ${failure instanceof Error ? failure.message : failure}.`);
+      const words = `Not saved: ${said(failure)}.`;
+      if (failure instanceof Conflict && failure.theirs !== null) this.differs(words, failure.theirs);
+      else this.problems.say("save", words);
     }
-  }
-
-  private complain(message: string): void {
-    const problem = byId("problem");
-    problem.hidden = message === "";
-    problem.textContent = message;
   }
 
   private show(state: State): void {
-    this.complain("");
-    this.mark(state.diagnostics, state.effort.draft);
-    if (state.now) {
-      const { chain } = state.now;
-      if (!state.effort.draft || chain !== this.shown) this.takeChain(state.now, state.stale);
-      this.whatif.know(state.now.numbers);
-      this.stage?.hold(state.effort.draft);
-      this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
-      this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
-      this.beside.follow(chain, this.tools.chosen, state.effort.draft);
+    if (this.isWithoutTool(state)) {
+      this.withoutTool("");
+      this.session.take("");
+      return this.changed(false);
     }
+    this.problems.clear("figures", "chain");
+    if (state.stale) this.problems.outdates("file", refused(state, this.session.machine));
+    else this.problems.clear("file");
+    this.mark(state.diagnostics, state.effort.draft);
+    if (state.now) this.picture(state.now, state);
     this.verdict.show(state);
     this.statistics.show(state);
     this.pareto.show(state);
@@ -270,9 +338,41 @@ class Workbench {
     this.part.show(state);
     this.control.show(state);
     this.acceptance.show(state);
+    this.panels.answers.classList.toggle("stale", !isSettled(state));
     if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
     document.body.toggleAttribute("data-reduced", state.effort.isReduced);
+  }
+
+  private picture(now: Findings, { effort, stale }: State): void {
+    const { chain } = now;
+    if (!effort.draft || chain !== this.shown) this.takeChain(now, stale);
+    this.whatif.know(now.numbers);
+    try {
+      this.stage?.hold(effort.draft);
+      this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
+      this.problems.clear("picture");
+    } catch (failure) {
+      this.problems.outdates("picture", `This machine cannot be drawn: ${said(failure)}.`);
+    }
+    this.deviation.follow(chain, this.sliders.pose, now.map?.from === "bounds");
+    this.beside.follow(chain, this.tools.chosen, effort.draft);
+  }
+
+  /** True if the file has no tool of the name in the address. */
+  private isWithoutTool({ stale, diagnostics }: State): boolean {
+    return stale && this.tools.chosen !== "" && diagnostics.some(({ code }) => code === NO_TOOL);
+  }
+
+  /** Takes the first tool, or the one of a report, in place of one that is not there. */
+  private withoutTool(instead: string): void {
+    const name = this.tools.chosen;
+    this.tools.chosen = instead;
+    move({ tool: instead });
+    this.problems.say(
+      "tool",
+      `There is no tool \`${name}\` here: ${instead ? `\`${instead}\`` : "the first one"} is taken.`,
+    );
   }
 
   /** What a held slider that changes no chain leaves as it is. */
@@ -331,7 +431,11 @@ class Workbench {
 
   private rebuild(edit: Change | Change[] | null): void {
     if (edit) this.editor.change(edit);
-    else this.complain("The file writes its chain as `branches`, or takes it from elsewhere: change it in the text.");
+    else
+      this.problems.say(
+        "chain",
+        "The file writes its chain as `branches`, or takes it from elsewhere: change it in the text.",
+      );
   }
 
   /** Leads to the number of an error; one that a table gives has none in the file. */
@@ -352,11 +456,24 @@ class Workbench {
     choice.addEventListener("change", () => {
       store.chosen = choice.value;
       move({ example: choice.value, pose: "", tool: "" });
+      this.problems.clear("save", "tool");
       this.tools.chosen = store instanceof Report ? store.tool : "";
       void this.open();
     });
     return [choice];
   }
+}
+
+const said = (failure: unknown) => (failure instanceof Error ? failure.message : String(failure));
+
+const capital = (words: string) => words.charAt(0).toUpperCase() + words.slice(1);
+
+/** Why a text is refused, and of what the figures are. */
+function refused({ diagnostics, now }: State, machine: string): string {
+  const first = diagnostics.find(({ severity }) => severity === "refusal");
+  const at = first?.places.find(({ file }) => file === machine);
+  const why = first ? `${at ? `line ${at.line}: ` : ""}${first.message}` : "see the marks in the editor";
+  return `The file is refused, ${why}.${now ? " Picture and figures are of the text before." : ""}`;
 }
 
 /** Returns the edit that makes one text another: what is the same at both ends stays. */
@@ -378,7 +495,7 @@ function working(busy: boolean): void {
 /** The stage, or a sentence where the browser cannot draw it. */
 function standing(dragged: (axis: Axis, position: number, rests: boolean) => void): Stage | null {
   try {
-    return new Stage(byId("stage"), dragged);
+    return new Stage(byId("stage"), "legend", dragged);
   } catch {
     byId("stage").textContent = "This browser cannot draw in three dimensions (WebGL); everything else works.";
     return null;
@@ -405,7 +522,5 @@ async function start(): Promise<void> {
 }
 
 start().catch((failure: unknown) => {
-  const problem = byId("problem");
-  problem.hidden = false;
-  problem.textContent = failure instanceof Error ? failure.message : String(failure);
+  new Problems().outdates("start", `${capital(said(failure))}.`);
 });

@@ -159,6 +159,12 @@ export class Session {
     return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } })).answers;
   }
 
+  /** Why no machine can be read from a text; empty for one from which it can, or where nobody answers. */
+  async fault(text: string): Promise<string> {
+    const { diagnostics } = await this.evaluator.ask(this.request(text, ["check"])).catch(() => ({ diagnostics: [] }));
+    return diagnostics.find(({ severity }) => severity === "refusal")?.message ?? "";
+  }
+
   /** The errors of the machine that was accepted last, in words by name. */
   get words(): Record<string, string> {
     return this.now?.words ?? {};

@@ -9,6 +9,7 @@ import type { Chain, Vec3 } from "../src/evaluator/types";
 import { castings } from "../src/machine/castings";
 import { Figure, type Materials } from "../src/machine/figure";
 import { layout } from "../src/machine/layout";
+import { Marks, type WorkPoint } from "../src/machine/marks";
 import { ball, bar, box } from "../src/machine/shapes";
 import { depth, solid } from "./overlap";
 
@@ -61,6 +62,8 @@ test("how deep bodies lie in each other, against closed forms", () => {
   assert.ok(a && b && depth(a, b) < 1e-6);
 });
 
+const materials = new Proxy({}, { get: () => new three.MeshBasicMaterial() }) as Materials;
+
 test("no bodies lie in each other at the zero pose, with any tool of any machine", { skip }, () => {
   const all = machines();
   assert.ok(all.length > 20, `${all.length} machines`);
@@ -71,7 +74,6 @@ test("no bodies lie in each other at the zero pose, with any tool of any machine
 });
 
 test("the camera stands where it sees the tool: on the left where posts are on the right", { skip }, () => {
-  const materials = new Proxy({}, { get: () => new three.MeshBasicMaterial() }) as Materials;
   const sides = ["hh-ca-gantry.yaml", "trunnion.yaml"].map((machine) => {
     const figure = new Figure(chainOf(machine), "", materials);
     const { center, place } = figure.viewpoint(figure.corners({}));
@@ -99,6 +101,26 @@ test("each axis has a body that shows", { skip }, () => {
         if (geometry.boundingBox) size.union(geometry.boundingBox);
       }
       assert.ok(size.getSize(new three.Vector3()).length() > 0.1 * (of?.size ?? Infinity), `${machine}: ${name}`);
+    }
+  }
+});
+
+/** The camera goes before these corners: one that is not finite leaves the picture empty. */
+test("all corners of every machine are finite, with any part on it", { skip }, () => {
+  const point = (um: number | null): WorkPoint => ({ tip: [10, 20, 30], um, stopped: "#666666", words: "" });
+  const parts = [[], [point(1)], [point(1), point(2)], [point(null), point(null)], [point(1), point(null)]];
+  for (const machine of machines()) {
+    const figure = new Figure(chainOf(machine), "", materials);
+    const marks = new Marks();
+    figure.workpiece.add(marks.group);
+    for (const part of parts) {
+      marks.path(part, 2, [1, 2]);
+      const corners = figure.corners({});
+      assert.ok(corners.length > 8, machine);
+      assert.ok(
+        corners.every((corner) => corner.toArray().every(Number.isFinite)),
+        `${machine} with ${part.length} tool poses`,
+      );
     }
   }
 });

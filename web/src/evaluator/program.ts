@@ -1,6 +1,9 @@
 /** The local program `abbe workbench`, over HTTP on 127.0.0.1. */
 
-import type { Evaluator, OpenFile, Reply, Request, Store } from "./types";
+import { Conflict, type Evaluator, type OpenFile, type Reply, type Request, type Store } from "./types";
+
+/** Why a program does not answer that was started after the page was opened. */
+const STRANGER = "the program was started anew and does not know this page: open the address that it printed";
 
 export class Program implements Evaluator, Store {
   readonly verb = "Save";
@@ -30,7 +33,9 @@ export class Program implements Evaluator, Store {
       throw new Error("the program does not answer: start `abbe workbench` again");
     });
     if (response.ok) return (await response.json()) as T;
-    const failure = (await response.json().catch(() => ({}))) as { failure?: string };
-    throw new Error(failure.failure ?? `the program answers with status ${response.status}`);
+    if (response.status === 403) throw new Error(STRANGER);
+    const { failure, theirs } = (await response.json().catch(() => ({}))) as { failure?: string; theirs?: string };
+    if (response.status === 409) throw new Conflict(failure ?? "", theirs ?? null);
+    throw new Error(failure ?? `the program answers with status ${response.status}`);
   }
 }

@@ -88,6 +88,16 @@ export interface Settings {
 /** The defaults of the verbs. */
 export const DEFAULTS: Settings = { poses: 2000, samples: 1000, map: {}, sources: {}, budget: {} };
 
+/** Others wrote the file that the page would save; `theirs` is its text now, null where it cannot be read. */
+export class Conflict extends Error {
+  constructor(
+    message: string,
+    readonly theirs: string | null,
+  ) {
+    super(message);
+  }
+}
+
 /** Keeps the file that is open. */
 export interface Store {
   /** Name of the button that keeps the text. */

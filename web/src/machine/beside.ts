@@ -13,7 +13,7 @@ type Kind = "" | "a" | "control";
 export class Beside {
   private readonly choice = make("select", { id: "beside-choice", "aria-label": "Picture beside the machine" });
   private readonly parent = byId("beside");
-  private readonly label = make("p", { class: "caption" });
+  private readonly label = make("p", { class: "caption", id: "beside-words" });
   private stage: Stage | null = null;
   private shown: View | null = null;
   private first: string | null = null;
@@ -108,7 +108,7 @@ export class Beside {
 
   private opened(main: Stage): Stage {
     if (this.stage) return this.stage;
-    this.stage = new Stage(this.parent, () => {});
+    this.stage = new Stage(this.parent, this.label.id, () => {});
     this.stage.theme(matchMedia("(prefers-color-scheme: dark)").matches);
     main.together(this.stage);
     return this.stage;

@@ -53,12 +53,13 @@ export class Figure {
     });
   }
 
+  /** Boxes of what is drawn; of what has no finite one, none. */
   private boxes(): three.Box3[] {
     const list: three.Box3[] = [];
     this.root.traverse((object) => {
       if (object instanceof three.Mesh) list.push(new three.Box3().setFromObject(object));
     });
-    return list;
+    return list.filter(({ min, max }) => [...min.toArray(), ...max.toArray()].every(Number.isFinite));
   }
 
   /** The line of an axis at the present pose, in the machine's coordinates. */

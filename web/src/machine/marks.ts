@@ -125,6 +125,8 @@ export class Marks {
       [reached, new three.SphereGeometry(size, 14, 10)],
       [stopped, new three.OctahedronGeometry(stop)],
     ] as const) {
+      // An empty one has a box without end, which the camera would follow.
+      if (!list.length) continue;
       const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), list.length);
       list.forEach((point, i) => {
         mesh.setMatrixAt(i, new three.Matrix4().makeTranslation(...point.tip));
@@ -148,6 +150,7 @@ export class Marks {
       const next = points[i + 1];
       return next && (um === null) === (next.um === null) ? [i] : [];
     });
+    if (!starts.length) return;
     const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), starts.length);
     starts.forEach((i, k) => {
       const [from, to] = [places[i], places[i + 1]] as [three.Vector3, three.Vector3];

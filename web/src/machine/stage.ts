@@ -58,9 +58,11 @@ export class Stage {
   /** Pixels of the picture to one of the screen while something is held. */
   private readonly coarse: number;
 
-  /** Fails where the browser cannot draw in three dimensions. `dragged` hears of bodies that are moved by hand. */
+  /** Fails where the browser cannot draw in three dimensions. `words` is the id of what says in words what is drawn,
+   * and `dragged` hears of bodies that are moved by hand. */
   constructor(
     private readonly parent: HTMLElement,
+    words: string,
     dragged: (axis: Axis, position: number, rests: boolean) => void,
   ) {
     this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -68,6 +70,7 @@ export class Stage {
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-describedby", words);
     parent.append(canvas);
     new Drag(canvas, this.camera, { grips: (ray) => this.grips(ray), moved: dragged });
     this.scene.add(this.guide.group, this.arms.group);
@@ -76,6 +79,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("start", () => this.hold(true));
     this.controls.addEventListener("end", () => this.hold(false));
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
     new Pick(parent, canvas, this.scene, this.camera);
@@ -101,6 +105,7 @@ export class Stage {
       this.sun(figure.corners(pose));
       this.resize();
       this.lookAs(as);
+      this.limit(as.controls.maxDistance / 5, as.controls.cursor);
     } else if (shape !== this.shown) this.look(pose);
     this.shown = shape;
     this.renderer.domElement.setAttribute("aria-label", `The machine ${chain.machine}, ${chain.chain}`);
@@ -149,6 +154,7 @@ export class Stage {
   look(pose: Pose): void {
     if (!this.figure) return;
     const corners = this.figure.corners(pose);
+    if (!corners.length) return;
     const { center, place } = this.figure.viewpoint(corners);
     this.resize();
     this.camera.up.set(...this.figure.layout.up);
@@ -159,9 +165,18 @@ export class Stage {
     this.camera.near = distance / 100;
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
+    this.limit(distance, this.controls.target);
     this.controls.update();
     this.placed.copy(this.camera.position);
     this.sun(corners);
+  }
+
+  /** No hand brings the camera so far, or so far aside, that nothing is left in the picture. */
+  private limit(distance: number, middle: three.Vector3): void {
+    const { controls } = this;
+    [controls.minDistance, controls.maxDistance] = [distance / 20, distance * 5];
+    controls.cursor.copy(middle);
+    controls.maxTargetRadius = distance * this.tall;
   }
 
   /** Brings the camera so near that these points fill the picture, and to their middle. */
@@ -171,17 +186,20 @@ export class Stage {
     camera.updateMatrixWorld(true);
     const seen = corners.map((corner) => corner.clone().applyMatrix4(camera.matrixWorldInverse));
     const { tall } = this;
-    const slopes = seen.map(({ x, y, z }) => [x / -z / tall / camera.aspect, y / -z / tall] as const);
+    const distance = camera.position.distanceTo(controls.target);
+    // Those beside the camera, or behind it, drive it back.
+    const depth = (z: number) => Math.max(-z, 1e-3 * distance);
+    const slopes = seen.map(({ x, y, z }) => [x / depth(z) / tall / camera.aspect, y / depth(z) / tall] as const);
     const span = (k: 0 | 1) => {
       const list = slopes.map((of) => of[k]);
       return [Math.min(...list), Math.max(...list)] as const;
     };
     const [[left, right], [low, high]] = [span(0), span(1)];
-    const distance = camera.position.distanceTo(controls.target);
     const aside = new three.Vector3(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall, 0);
     aside.multiplyScalar(distance).transformDirection(camera.matrixWorld);
     const by = distance * Math.hypot(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall);
-    const size = Math.max((right - left) / 2, (high - low) / 2) / 0.94;
+    const least = 1 - (0.9 * Math.min(...seen.map(({ z }) => -z))) / distance;
+    const size = Math.max((right - left) / 2, (high - low) / 2, 0.94 * least) / 0.94;
     const back = camera.position.clone().sub(controls.target).multiplyScalar(size);
     controls.target.addScaledVector(aside, by);
     camera.position.copy(controls.target).add(back);
@@ -199,13 +217,16 @@ export class Stage {
 
   draw(): void {
     if (this.pending) return;
-    this.pending = requestAnimationFrame(() => {
-      this.pending = 0;
-      const { ratio } = this;
-      // It empties the picture, which is drawn in the same frame.
-      if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
-      this.renderer.render(this.scene, this.camera);
-    });
+    this.pending = requestAnimationFrame(() => this.render());
+  }
+
+  private render(): void {
+    cancelAnimationFrame(this.pending);
+    this.pending = 0;
+    const { ratio } = this;
+    // It empties the picture, which is drawn in the same frame.
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    this.renderer.render(this.scene, this.camera);
   }
 
   /** Draws coarser while something is held, and once more when it is let go. */
@@ -280,11 +301,14 @@ export class Stage {
   private refit(): void {
     if (this.figure && this.camera.position.equals(this.placed)) this.look(this.pose);
     else this.resize();
+    // Another size empties the picture: it is drawn before anybody sees it.
+    this.render();
   }
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.parent;
-    if (!width || !height) return;
+    const { x, y } = this.renderer.getSize(new three.Vector2());
+    if (!width || !height || (x === width && y === height)) return;
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();

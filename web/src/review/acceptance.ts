@@ -18,12 +18,12 @@ export class Acceptance {
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
-    this.asking = new Newest(failed);
+    this.asking = new Newest(failed, this.body);
     parent.append(this.body);
   }
 
   show(state: State): void {
-    this.body.classList.toggle("stale", state.stale);
+    this.body.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       const words = "Nothing of this machine is measured: what a test reads depends on the errors that it will have.";

@@ -29,7 +29,7 @@ export class Control {
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
-    this.asking = new Newest(failed);
+    this.asking = new Newest(failed, this.body);
     this.select.addEventListener("change", () => {
       move({ target: this.select.value });
       this.chosen();
@@ -39,7 +39,7 @@ export class Control {
   }
 
   show(state: State): void {
-    this.body.classList.toggle("stale", state.stale);
+    this.body.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       this.select.disabled = true;

@@ -94,8 +94,10 @@ export class Part {
     private readonly heard: (work: Work | null) => void,
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
+    /** The figures over the part that stand elsewhere. */
+    job: HTMLElement,
   ) {
-    this.asking = new Newest(failed);
+    this.asking = new Newest(failed, this.body, job);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
     for (const choice of [this.reference, this.path]) choice.addEventListener("change", () => this.update());
@@ -120,7 +122,7 @@ export class Part {
   }
 
   show(state: State): void {
-    this.body.classList.toggle("stale", state.stale);
+    this.body.classList.toggle("stale", !isSettled(state));
     if (isSettled(state)) this.update();
   }
 

@@ -17,11 +17,11 @@ export class ReachLine {
     private readonly session: Session,
     failed: (failure: unknown) => void,
   ) {
-    this.asking = new Newest(failed);
+    this.asking = new Newest(failed, this.parent);
   }
 
   show(state: State, tool: string): void {
-    this.parent.classList.toggle("stale", state.stale);
+    this.parent.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
     const geometry = JSON.stringify([state.now.chain, tool]);
     if (geometry === this.asked) return;

@@ -38,7 +38,7 @@ export class Variants {
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
-    this.asking = new Newest(failed);
+    this.asking = new Newest(failed, this.body);
     const keep = button("Keep as variant A", () => this.keep(), { class: "primary", id: "keep-a" });
     this.back.disabled = true;
     const words =
@@ -48,7 +48,7 @@ export class Variants {
   }
 
   show(state: State): void {
-    this.body.classList.toggle("stale", state.stale);
+    this.body.classList.toggle("stale", !isSettled(state));
     if (this.first !== null && isSettled(state)) this.compare();
   }
 

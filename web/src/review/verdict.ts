@@ -1,7 +1,7 @@
 /** The first thing a review looks at: the 95 % value, its band, and whether it is within the limit. */
 
 import type { Work } from "../evaluator/types";
-import type { Findings, State } from "../session";
+import { type Findings, isSettled, type State } from "../session";
 import { make } from "../ui/dom";
 import { move, place } from "../ui/address";
 import { difference, figure, pair, rounded } from "./number";
@@ -51,7 +51,7 @@ function measured(map: NonNullable<Findings["map"]>): Deciding {
 
 export class Verdict {
   /** The figures over the part, above those over the volume. */
-  private readonly job = make("div", { id: "job" });
+  readonly job = make("div", { id: "job" });
 
   constructor(private readonly parent: HTMLElement) {}
 
@@ -61,6 +61,7 @@ export class Verdict {
   }
 
   show(state: State): void {
+    this.job.classList.toggle("stale", !isSettled(state));
     const now = state.now && deciding(state.now);
     if (!now) return this.parent.replaceChildren(this.job, ...this.nothing(state));
     const kept = state.kept && deciding(state.kept);
