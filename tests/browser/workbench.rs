@@ -181,6 +181,7 @@ fn changed(before: &str, after: &str) -> Vec<(String, String)> {
 
 const DELETE: &str = "\u{e017}";
 const RIGHT: &str = "\u{e014}";
+const LEFT: &str = "\u{e012}";
 
 pub fn numbers() {
     let bench = Bench::of_config("bench-numbers", "trunnion.yaml");
@@ -277,6 +278,15 @@ pub fn chain() {
     let _ = bench.browser.run("document.querySelector('[data-axis=Y]').focus();");
     bench.browser.press(&[RIGHT]);
     wait(&bench.browser, "return document.querySelector('[data-axis=Y]').textContent === 'Y';");
+    bench.settled();
+    // The chip keeps the focus: further keys move it on.
+    for (key, chain) in [(RIGHT, "w C' A' b X Y Z t"), (LEFT, "w C' A' b Y X Z t")] {
+        bench.browser.press(&[key]);
+        let is_moved = format!("return document.querySelector('.cm-content').innerText.includes(\"{chain}\");");
+        wait(&bench.browser, &is_moved);
+        bench.settled();
+        assert_eq!(bench.browser.run("return document.activeElement.dataset.axis;"), "Y");
+    }
     let saved = bench.save();
     assert_eq!(changed(&original, &saved), [line("w C' A' Y' b X Z t", "w C' A' b Y X Z t")]);
     bench.agrees();

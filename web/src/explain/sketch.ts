@@ -21,6 +21,9 @@ const UNITS: Vec3[] = [
 
 type Motion = (point: Vec3) => Vec3;
 
+/** What the picture shows to who does not see it. */
+const WORDS = "Sketch of the error: nominal grey, actual coloured, with X, Y and Z as on the machine";
+
 /** Half the length of an axis, and the shift and turn that stand for an error. */
 const HALF = 46;
 const SHIFT = 15;
@@ -40,7 +43,7 @@ export function sketch(name: ErrorName, axis: Axis | null): SVGSVGElement {
     ? [drawn(line, motion, "actual line"), ...outline(body, motion)]
     : outline(body, motion);
   const guide = isLinear && !name.isLocation && !name.isRotation ? [wave(direction, error)] : [];
-  const svg = element("svg", { viewBox: "-64 -58 128 116", class: "sketch", "aria-hidden": "true" });
+  const svg = element("svg", { viewBox: "-64 -58 128 116", class: "sketch", role: "img", "aria-label": WORDS });
   svg.append(drawn(line, still, "nominal line"), ...outline(body, still, "nominal"), ...guide, ...moved);
   svg.append(name.isRotation ? arc(error) : drawn([[0, 0, 0], scaled(error, SHIFT * 2.4)], still, "arrow"));
   svg.append(...triad());

@@ -28,10 +28,13 @@ export class Chips {
   show(chain: string): void {
     if (this.held) return;
     this.list = words(chain);
+    // The chips that go take the focus with them.
+    const { focused } = this;
     this.parent.replaceChildren(...this.list.map((word, i) => this.chip(word, i)), this.choice());
-    if (this.focused !== null)
+    this.focused = focused;
+    if (focused !== null)
       this.chips()
-        .find((chip) => chip.dataset["axis"] === this.focused)
+        .find((chip) => chip.dataset["axis"] === focused)
         ?.focus();
   }
 
