@@ -1,7 +1,8 @@
 //! HTTP for a browser on this computer only.
 //!
 //! The listener is bound to 127.0.0.1, and the `Host` header must name it: a page from elsewhere that resolves its own
-//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, bodies have a limit, and the number of
+//! name to 127.0.0.1 reads nothing. A request of a page from elsewhere, by `Origin` or `Sec-Fetch-Site`, is refused.
+//! Request heads are short and have a deadline, bodies have a limit, and the number of
 //! connections at a time is limited: the oldest that keeps the server waiting gives way to a new one.
 
 use abbe::Cancellation;
@@ -36,6 +37,7 @@ const MAX_CONNECTIONS: usize = 16;
 const LOOK: Duration = Duration::from_millis(10);
 
 const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
+const SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 
 #[derive(Debug)]
 pub(super) struct PageRequest {
@@ -166,6 +168,9 @@ async fn read(request: Request<Incoming>, port: u16) -> Result<PageRequest, Stat
     if !is_local(&head.headers, port) {
         return Err(StatusCode::MISDIRECTED_REQUEST);
     }
+    if is_foreign(&head.headers, port) {
+        return Err(StatusCode::FORBIDDEN);
+    }
     if body.size_hint().lower() > MAX_BODY as u64 {
         return Err(StatusCode::PAYLOAD_TOO_LARGE);
     }
@@ -209,10 +214,24 @@ fn one(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     }
 }
 
+/// Names of this server.
+fn own(port: u16) -> [String; 2] {
+    [format!("127.0.0.1:{port}"), format!("localhost:{port}")]
+}
+
 /// True if a request names this computer.
 fn is_local(headers: &HeaderMap, port: u16) -> bool {
-    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    one(headers, header::HOST).is_some_and(|host| own.iter().any(|own| own == host))
+    one(headers, header::HOST).is_some_and(|host| own(port).iter().any(|own| own == host))
+}
+
+/// True if a browser says that a page of another server asks. What says nothing is no browser, or a reader who typed the
+/// address.
+fn is_foreign(headers: &HeaderMap, port: u16) -> bool {
+    let is = |name: HeaderName, all: &[String]| {
+        !headers.contains_key(&name) || one(headers, name).is_some_and(|found| all.iter().any(|own| own == found))
+    };
+    let origins = own(port).map(|own| format!("http://{own}"));
+    !is(header::ORIGIN, &origins) || !is(SITE, &["same-origin", "none"].map(str::to_owned))
 }
 
 #[cfg(test)]
@@ -234,6 +253,28 @@ mod tests {
             assert!(!local(&[(host, other)]), "{other}");
         }
         assert!(!local(&[]) && !local(&[(host, here), (host, "evil.example")]));
+    }
+
+    #[test]
+    fn pages_from_elsewhere_are_foreign() {
+        let foreign = |lines: &[(HeaderName, &str)]| {
+            let mut headers = HeaderMap::new();
+            for (name, value) in lines {
+                let _ = headers.append(name, HeaderValue::from_str(value).unwrap());
+            }
+            is_foreign(&headers, 8000)
+        };
+        let (origin, here) = (header::ORIGIN, "http://127.0.0.1:8000");
+        assert!(!foreign(&[]) && !foreign(&[(SITE, "none")]));
+        assert!(!foreign(&[(origin.clone(), here), (SITE, "same-origin")]));
+        assert!(!foreign(&[(origin.clone(), "http://localhost:8000")]));
+        for other in ["null", "", "http://127.0.0.1:8001", "https://127.0.0.1:8000", "http://evil.example"] {
+            assert!(foreign(&[(origin.clone(), other)]), "{other}");
+        }
+        for other in ["cross-site", "same-site", ""] {
+            assert!(foreign(&[(origin.clone(), here), (SITE, other)]), "{other}");
+        }
+        assert!(foreign(&[(origin.clone(), here), (origin, here)]));
     }
 
     /// Answers everything with as many bytes.

@@ -140,6 +140,12 @@ impl WorkOptions {
 /// Maximum number of questions of a request: a turn of the page asks about twenty.
 const MAX_QUESTIONS: usize = 200;
 
+/// Maximum number of rows of a volume in an answer: their JSON takes 4 kB each while it is made. A field takes 126.
+const MAX_ROWS: usize = 20_000;
+
+/// Maximum number of worst poses of a map in an answer.
+const MAX_WORST: usize = 10_000;
+
 /// Computes part `index`, from 0, of `count` of the deviations of the first map of a request, and returns its bytes:
 /// all parts, one behind the other, are given to [`workbench_of_parts`] with the same request.
 ///
@@ -178,6 +184,9 @@ fn parse(request: &str) -> Result<WorkbenchRequest, Diagnostic> {
         Ok(request) if request.questions.len() > MAX_QUESTIONS => {
             refusal(format!("request: {} questions, at most {MAX_QUESTIONS}", request.questions.len()))
         }
+        Ok(request) if request.questions.iter().any(|question| question.worst() > MAX_WORST) => {
+            refusal(format!("request: a map names {MAX_WORST} worst poses at most"))
+        }
         Ok(request) => Ok(request),
         Err(failure) => refusal(format!("request, at `{}`: {}", failure.path(), failure.inner())),
     }
@@ -202,6 +211,15 @@ fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
 }
 
 impl Question {
+    /// Returns the number of worst poses that are to be named.
+    fn worst(&self) -> usize {
+        match self {
+            Self::Map(map) | Self::Rows(map) => map.worst,
+            Self::Work(work) => work.map.worst,
+            _ => 0,
+        }
+    }
+
     fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
         match self {
             Self::Check => json!(summary(machine)),
@@ -273,8 +291,8 @@ struct MapRows {
 
 fn rows(machine: &MachineFile, options: &MapOptions, run: Run) -> Reply<MapRows> {
     let count = options.poses.count(machine).unwrap_or(0);
-    if count > MapPoses::MAX_HELD {
-        let message = format!("{count} rows: {} are held in memory at most", MapPoses::MAX_HELD);
+    if count > MAX_ROWS {
+        let message = format!("{count} rows: {MAX_ROWS} are held in memory at most");
         let help = "take fewer random poses, or larger steps under `volume`; `abbe map --csv` writes any number";
         let refusal = Diagnostic::new(codes::E0812, message).help(help);
         return Call::answer(run, machine.sources(), |call| call.refuse(refusal));
@@ -507,8 +525,13 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
 
     #[test]
     fn rows_that_are_held_are_bounded() {
-        let found = ask(MACHINE, json!([{"rows": {"poses": {"random": 1_000_001}}}]));
+        let found = ask(MACHINE, json!([{"rows": {"poses": {"random": 20_001}}}]));
         assert!(found["answers"][0].to_string().contains("E0812"), "{found}");
+        for question in [json!({"map": {"worst": 10_001}}), json!({"work": {"map": {"worst": 10_001}}})] {
+            let found = ask(MACHINE, json!([question, "check"]));
+            assert_eq!(found["diagnostics"][0]["message"], "request: a map names 10000 worst poses at most");
+        }
+        assert_eq!(ask(MACHINE, json!([{"map": {"worst": 10_000, "poses": {"random": 3}}}]))["answers"][0]["poses"], 3);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The picture of the machine is there: for each kind of machine, with a part and without, after a resize, a drag and a
-//! reload, in a mailed page and on the workbench (`web/test/castings.test.ts` has every machine of `configs/`). And what is not current says so at once.
+//! reload, in a mailed page and on the workbench (`web/test/castings.test.ts` has every machine of `configs/`). And
+//! what is not current says so at once.
 
 use crate::driver::Browser;
 use crate::watch::wait;
@@ -168,7 +169,47 @@ pub fn workbench() {
     drawn(&bench.browser, "without a program");
     let _ = bench.browser.complaints();
     bench.begin_anew(&port);
-    says(&bench.browser, "was started anew", true);
+    says(&bench.browser, "does not know this page", true);
+    // Its address in the same tab: what is changed in the page stays.
+    let fragment = bench.address.split_once('#').unwrap().1;
+    let _ = bench.browser.run(&format!("window.mine = true; location.hash = '{fragment}';"));
+    wait(&bench.browser, &format!("return window.mine && !({IS_OLD}) && document.getElementById('problem').hidden;"));
+    bench.settled();
+}
+
+/// Two tabs on one file: the second is shown the difference, and takes the other's text or keeps its own.
+pub fn conflict() {
+    let bench = Bench::of_config("blank-conflict", "trunnion.yaml");
+    let original = bench.on_disk();
+    let theirs = format!("{original}# theirs\n");
+    bench.at_error("EY0C");
+    bench.browser.press(&["\u{e017}"]);
+    std::fs::write(&bench.file, &theirs).unwrap();
+    says(&bench.browser, "has changed", false);
+    bench.click("difference");
+    let shown = "const all = document.querySelectorAll('#differences .mine, #differences .theirs'); \
+                 return [...all].map((of) => of.textContent);";
+    let lines = bench.browser.run(shown);
+    let word = |i: usize| lines[i].as_str().unwrap_or_default().to_owned();
+    assert!(lines.as_array().unwrap().len() == 3, "{lines}");
+    assert!(word(0).starts_with("\u{2212}   EY0C: -9") && word(1).starts_with("+   EY0C: 9"), "{lines}");
+    assert_eq!(word(2), "\u{2212} # theirs");
+    let _ = bench.browser.run("document.querySelector('#differences button').click();");
+    bench.click("theirs");
+    wait(
+        &bench.browser,
+        "return document.getElementById('save').disabled && document.getElementById('problem').hidden;",
+    );
+    bench.settled();
+    // Saved over a text that others wrote first: asked, and then by will.
+    bench.at_error("EY0C");
+    bench.browser.press(&["\u{e017}"]);
+    std::fs::write(&bench.file, &original).unwrap();
+    says(&bench.browser, "has changed", false);
+    bench.click("mine");
+    assert_eq!(bench.on_disk(), original);
+    let saved = bench.save();
+    assert!(saved.contains("EY0C: 9 um") && saved.ends_with("# theirs\n"), "{saved}");
 }
 
 fn keys(bench: &Bench, held: &str, key: &str) {

@@ -25,7 +25,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 38] = [
+const CHECKS: [checks::Check; 39] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -37,6 +37,7 @@ const CHECKS: [checks::Check; 38] = [
     ("screenshots of a report", mailed::screenshots),
     ("a mailed page is never blank, with a part and without", blank::mailed),
     ("the workbench is never blank, and what is not current says so", blank::workbench),
+    ("where two write one file, the page shows both and takes what is chosen", blank::conflict),
     ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),

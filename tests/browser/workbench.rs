@@ -18,7 +18,7 @@ pub const BOUNDED: &str = "abbe: 1\nmachine: \"<b>Bounded</b> & <script>alert(1)
 pub struct Bench {
     pub browser: Browser,
     pub file: PathBuf,
-    address: String,
+    pub address: String,
     serving: Option<Serving>,
     _folder: Folder,
 }
@@ -69,7 +69,8 @@ impl Bench {
     /// Ends the program that serves the page, and returns its port.
     pub fn end(&mut self) -> String {
         self.serving = None;
-        self.address.trim_end_matches('/').rsplit(':').next().unwrap().to_owned()
+        let rest = self.address.trim_start_matches("http://127.0.0.1:");
+        rest.split('/').next().unwrap().to_owned()
     }
 
     /// Starts another one on the same port.
@@ -413,7 +414,17 @@ pub fn bounds() {
 
 pub fn tokens() {
     let bench = Bench::new("bench-tokens", BOUNDED, (800, 600));
-    let host = bench.address.trim_start_matches("http://").trim_end_matches('/').to_owned();
+    let (host, token) = bench.address.trim_start_matches("http://").split_once("/#token=").unwrap();
+    let host = host.to_owned();
+    // The page that any account may fetch does not hold the token, and the address bar no longer.
+    let script = "return fetch('/').then((page) => page.text());";
+    assert!(!bench.browser.run(script).as_str().unwrap().contains(token) && token.len() == 32);
+    let is_seen =
+        format!("return document.documentElement.outerHTML.includes('{token}') || location.href.includes('{token}');");
+    assert_eq!(bench.browser.run(&is_seen), false);
+    let _ = bench.browser.run("delete document.body.dataset.state; location.reload();");
+    bench.settled();
+    assert_eq!(bench.browser.run("return document.getElementById('problem').textContent;"), "");
     let ask = |head: &str| {
         let mut stream = TcpStream::connect(&host).unwrap();
         stream.write_all(head.replace('\n', "\r\n").replace("HOST", &host).as_bytes()).unwrap();
@@ -429,6 +440,17 @@ pub fn tokens() {
         let head = format!("POST {path} HTTP/1.1\nHost: HOST\nContent-Length: {}\n\n{body}", body.len());
         assert_eq!(ask(&head), "403", "{path}");
         assert_eq!(ask(&head.replace("Content", "X-Abbe-Token: 00\nContent")), "403", "{path}");
+    }
+    let known = format!("POST /open HTTP/1.1\nHost: HOST\nX-Abbe-Token: {token}\nMORE\n\n");
+    let more = |line: &str| ask(&known.replace("MORE", line));
+    for own in ["Origin: http://HOST", "Sec-Fetch-Site: same-origin", "Sec-Fetch-Site: none", "Accept: */*"] {
+        assert_eq!(more(own), "200", "{own}");
+    }
+    for foreign in
+        ["Origin: http://evil.example", "Origin: null", "Sec-Fetch-Site: cross-site", "Sec-Fetch-Site: same-site"]
+    {
+        assert_eq!(more(foreign), "403", "{foreign}");
+        assert_eq!(ask(&format!("GET / HTTP/1.1\nHost: HOST\n{foreign}\n\n")), "403", "{foreign}");
     }
     assert_eq!(ask("POST /save HTTP/1.1\nHost: HOST\nContent-Length: 99999999\n\n"), "413");
     assert_eq!(bench.on_disk(), BOUNDED);

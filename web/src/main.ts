@@ -505,8 +505,8 @@ function standing(dragged: (axis: Axis, position: number, rests: boolean) => voi
 type Face = Evaluator & Store;
 
 async function face(): Promise<Face> {
-  const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; token?: string; zlib?: string };
-  if (given.evaluator === "program") return new Program(given.token ?? "");
+  const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; zlib?: string };
+  if (given.evaluator === "program") return new Program();
   if (given.evaluator === "playground") return Playground.load(place().example);
   const { place: at, ...report } = (await unpacked(given.zlib ?? "", "deflate").json()) as ReportStart;
   // The first look: the work and the control that the report was written with.

@@ -19,9 +19,15 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8], read: &Recorded) -> Result<
 
 /// Like [`write_whole`], for a file of our own that may have been read before.
 pub(crate) fn replace_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    replace_if(path, bytes, || true).map(drop)
+}
+
+/// Like [`replace_whole`], if `still` is true once all is on the disk: a slow one gives others the time to write.
+/// Returns true if the file was replaced.
+pub(crate) fn replace_if(path: &Path, bytes: &[u8], still: impl FnOnce() -> bool) -> Result<bool, Diagnostic> {
     let staged = StagedFile::new(path)?;
     staged.writer()?.write_all(bytes).map_err(|failure| staged.failure(&failure))?;
-    staged.commit()
+    staged.commit_if(still)
 }
 
 /// A file in the making, beside the one it becomes; gone if it is not finished. Where the system has files without a
@@ -62,6 +68,10 @@ impl StagedFile {
 
     /// All of it is there: it takes its place.
     pub(crate) fn commit(self) -> Result<(), Diagnostic> {
+        self.commit_if(|| true).map(drop)
+    }
+
+    fn commit_if(self, still: impl FnOnce() -> bool) -> Result<bool, Diagnostic> {
         let finished = || {
             if let Ok(metadata) = fs::metadata(&self.target) {
                 self.file.set_permissions(metadata.permissions())?;
@@ -70,7 +80,10 @@ impl StagedFile {
             if self.unnamed {
                 unnamed::name(&self.file, &self.temporary)?;
             }
-            fs::rename(&self.temporary, &self.target)
+            if !still() {
+                return Ok(false);
+            }
+            fs::rename(&self.temporary, &self.target).map(|()| true)
         };
         finished().map_err(|failure| self.failure(&failure))
     }
@@ -85,7 +98,7 @@ impl Drop for StagedFile {
 }
 
 /// Clears temporary files for this path that runs left which were killed between naming and renaming them.
-fn clear_left_over(path: &Path, read: &Recorded) {
+pub(crate) fn clear_left_over(path: &Path, read: &Recorded) {
     let Ok(target) = replaceable(path) else { return };
     let Some(name) = target.file_name().map(|name| name.to_string_lossy().into_owned()) else { return };
     let of_a_run = |entry: &fs::DirEntry| {
@@ -331,6 +344,22 @@ mod tests {
         assert_eq!(folder.entries(), 1);
         assert_eq!(write_new(&path, b"other").unwrap_err().code, "E0811");
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    /// What others write while the bytes go to the disk is not lost.
+    #[test]
+    fn a_file_that_others_wrote_meanwhile_stays() {
+        let folder = Folder::new("meanwhile");
+        let path = folder.0.join("m.yaml");
+        fs::write(&path, "before").unwrap();
+        let slow = || {
+            fs::write(&path, "theirs").unwrap();
+            fs::read(&path).unwrap() == b"before"
+        };
+        assert!(!replace_if(&path, b"mine", slow).unwrap());
+        assert_eq!((fs::read(&path).unwrap().as_slice(), folder.entries()), (&b"theirs"[..], 1));
+        assert!(replace_if(&path, b"mine", || true).unwrap());
+        assert_eq!(fs::read(&path).unwrap(), b"mine");
     }
 
     /// After a kill: with nameless files there is nothing to see before the end.

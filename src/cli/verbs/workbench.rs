@@ -1,14 +1,15 @@
 //! `abbe workbench`: the page in which a machine file is edited, served on 127.0.0.1.
 //!
-//! The page asks for everything by POST with a token that only this page knows. It may save one file, the one that was
-//! named on the command line, and only over the text that it was given.
+//! The page asks for everything by POST with a token. It stands in the address that the program prints, behind the `#`:
+//! the page itself holds none, for every account of the computer may fetch it. The page may save one file, the one that
+//! was named on the command line, and only over the text that it was given.
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{JobArg, ReferenceArg, ToolPosesArg};
 use crate::cli::output::session::Session;
 use crate::cli::serve::{HTML, PageRequest, PageResponse, Site, serve};
 use crate::cli::store::files::Recorded;
-use crate::cli::store::write::replace_whole;
+use crate::cli::store::write::{clear_left_over, replace_if};
 use abbe::options::{BenchPage, Reference};
 use abbe::text::shown;
 use abbe::{Cancellation, Diagnostic, Files, Run, codes, workbench};
@@ -79,13 +80,15 @@ pub(super) fn open(session: &mut Session, machine: &Path, part: PartAsked, port:
         session.refuse(unserved(message).help("leave `--port` out: any free port is taken then"))
     })?;
     let port = listener.local_addr().map_or(port, |address| address.port());
-    let bench = token().and_then(|token| {
-        let bench = Bench::new(machine, session.root(), token).with_part(&part);
-        serve(listener, port, Arc::new(bench))
+    // Of a save that was killed.
+    clear_left_over(machine, &Recorded::default());
+    let bench = random().and_then(|token| {
+        let bench = Bench::new(machine, session.root(), token.clone(), &random()?).with_part(&part);
+        serve(listener, port, Arc::new(bench)).map(|()| token)
     });
-    bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
+    let token = bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
     session.print(&format!(
-        "http://127.0.0.1:{port}/ is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
+        "http://127.0.0.1:{port}/#token={token} is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
         machine.display()
     ));
     // Nobody knows the address of a server that cannot name it.
@@ -96,7 +99,7 @@ pub(super) fn open(session: &mut Session, machine: &Path, part: PartAsked, port:
 }
 
 /// Returns 128 random bits, hexadecimal.
-fn token() -> std::io::Result<String> {
+fn random() -> std::io::Result<String> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|failure| std::io::Error::other(failure.to_string()))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
@@ -151,10 +154,10 @@ impl Site for Bench {
 }
 
 impl Bench {
-    fn new(machine: &Path, root: Option<&Path>, token: String) -> Self {
-        // Hexadecimal, and JSON without markup.
-        let start = json!({"evaluator": "program", "token": token}).to_string();
-        let page = BenchPage { start: &start, nonce: &token, is_served: true, ..BenchPage::default() }.html();
+    /// `nonce` is that of the page's style, hexadecimal.
+    fn new(machine: &Path, root: Option<&Path>, token: String, nonce: &str) -> Self {
+        let start = json!({"evaluator": "program"}).to_string();
+        let page = BenchPage { start: &start, nonce, is_served: true, ..BenchPage::default() }.html();
         let (machine, root) = (machine.to_owned(), root.map(Path::to_owned));
         Self { machine, part: json!({}), root, token, page, saving: Mutex::default(), inputs: Mutex::default() }
     }
@@ -215,14 +218,23 @@ impl Bench {
 
     fn save(&self, request: &SaveRequest) -> PageResponse {
         let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
-        match self.text() {
-            Some(text) if text == request.before => match replace_whole(&self.machine, request.text.as_bytes()) {
-                Ok(()) => answer(StatusCode::OK, &json!({"saved": true})),
-                Err(diagnostic) => failure(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
-            },
-            Some(_) => failure(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
-            None => failure(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
+        let still = || self.text().is_some_and(|text| text == request.before);
+        clear_left_over(&self.machine, &Recorded::default());
+        match still().then(|| replace_if(&self.machine, request.text.as_bytes(), still)) {
+            Some(Ok(true)) => answer(StatusCode::OK, &json!({"saved": true})),
+            Some(Err(diagnostic)) => failure(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
+            None | Some(Ok(false)) => self.conflict(),
         }
+    }
+
+    /// Others wrote the file: their text is for the page to show.
+    fn conflict(&self) -> PageResponse {
+        let theirs = self.text();
+        let words = match theirs {
+            Some(_) => "the file on the disk has changed since the page read it",
+            None => "the file on the disk can no longer be read",
+        };
+        answer(StatusCode::CONFLICT, &json!({"failure": words, "theirs": theirs}))
     }
 }
 
@@ -251,7 +263,8 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("m.yaml");
         std::fs::write(&file, "abbe: 1\n").unwrap();
-        let bench = Bench::new(&file, None, "secret".to_owned());
+        let bench = Bench::new(&file, None, "secret".to_owned(), "n");
+        assert!(bench.page.contains("'nonce-n'") && !bench.page.contains("secret"), "the page tells its token");
         let save = |before: &str, text: &str| json!({"before": before, "text": text});
         for path in ["/open", "/ask", "/follow", "/save"] {
             for token in [None, Some(""), Some("guess")] {
@@ -262,14 +275,21 @@ mod tests {
         let post = |path: &str, body: &Value| ask(&bench, Method::POST, path, Some("secret"), body);
         assert_eq!(post("/open", &Value::Null).1, json!({"machine": &file, "text": "abbe: 1\n"}));
         let part = PartAsked { work: Some("job.yaml".into()), part: StatedPart { reference: None, path: Some(true) } };
-        let open = Bench::new(&file, None, "secret".to_owned()).with_part(&part).open();
+        let open = Bench::new(&file, None, "secret".to_owned(), "n").with_part(&part).open();
         let open: Value = serde_json::from_slice(&open.body).unwrap();
         assert_eq!((&open["work"], &open["part"]), (&"job.yaml".into(), &json!({"path": true})));
-        assert_eq!(post("/save", &save("other", "x")).0, 409);
+        let (status, told) = post("/save", &save("other", "x"));
+        assert_eq!((status, &told["theirs"]), (409, &"abbe: 1\n".into()), "{told}");
         assert_eq!(post("/save", &json!({"text": "x"})).0, 400);
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "abbe: 1\n");
         assert_eq!(post("/save", &save("abbe: 1\n", "abbe: 1\n# new\n")).0, 200);
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "abbe: 1\n# new\n");
+        // What a killed save left.
+        std::fs::write(folder.join(".m.yaml.999999999.tmp"), "half").unwrap();
+        assert_eq!(post("/save", &save("abbe: 1\n# new\n", "abbe: 1\n")).0, 200);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+        std::fs::remove_file(&file).unwrap();
+        assert_eq!(post("/save", &save("abbe: 1\n", "x")).1["theirs"], Value::Null);
         assert_eq!(post("/../m.yaml", &Value::Null).0, 404);
         assert_eq!(ask(&bench, Method::PUT, "/", Some("secret"), &Value::Null).0, 405);
         std::fs::remove_dir_all(&folder).unwrap();
@@ -283,7 +303,7 @@ mod tests {
         let text = "abbe: 1\nextends: base.yaml\n";
         std::fs::write(&file, text).unwrap();
         std::fs::write(&base, "machine: One\n").unwrap();
-        let bench = Bench::new(&file, None, "secret".to_owned());
+        let bench = Bench::new(&file, None, "secret".to_owned(), "n");
         let post = |path: &str, body: &Value| ask(&bench, Method::POST, path, Some("secret"), body).1;
         let request = json!({"machine": &file, "texts": {file.to_str().unwrap(): text}, "questions": ["check"]});
         let _ = post("/ask", &request);

@@ -1,15 +1,36 @@
 /** The local program `abbe workbench`, over HTTP on 127.0.0.1. */
 
+import { move } from "../ui/address";
 import { Conflict, type Evaluator, type OpenFile, type Reply, type Request, type Store } from "./types";
 
 /** Why a program does not answer that was started after the page was opened. */
-const STRANGER = "the program was started anew and does not know this page: open the address that it printed";
+const STRANGER =
+  "the program does not know this page: open the whole address that it printed when it started, here or in another tab";
+
+/** Where the tab keeps the token. */
+const KEY = "abbe-token";
+
+/** The token of the address that the program prints, which leaves the address bar; a reload finds it in the tab. */
+function token(before?: string): string {
+  const printed = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (printed !== null) {
+    sessionStorage.setItem(KEY, printed);
+    if (before === undefined) move({});
+    else history.replaceState(null, "", before);
+  }
+  return sessionStorage.getItem(KEY) ?? "";
+}
 
 export class Program implements Evaluator, Store {
   readonly verb = "Save";
   readonly isReadOnly = false;
 
-  constructor(private readonly token: string) {}
+  private token = token();
+
+  constructor() {
+    // The address of a program that was started anew, put into the tab of the one before.
+    window.addEventListener("hashchange", ({ oldURL }) => (this.token = token(oldURL)));
+  }
 
   ask(request: Request): Promise<Reply> {
     return this.post<Reply>("ask", request);
