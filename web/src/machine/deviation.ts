@@ -12,7 +12,7 @@ import {
   type Rows,
   type Vec3,
 } from "../evaluator/types";
-import { rounded } from "../review/number";
+import { counted, rounded } from "../review/number";
 import type { Session } from "../session";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
@@ -160,7 +160,7 @@ export class Deviation {
     }
     if (here.length_um === 0 && !other?.length_um)
       return this.legend.replaceChildren("No error that has a value acts at this pose.");
-    const drawn = ` (${parts} µm), drawn ${thousands(times)} times as large: nominal tool yellow, actual red`;
+    const drawn = ` (${parts} µm), drawn ${counted(times)} times as large: nominal tool yellow, actual red`;
     const beside = other ? [make("span", {}, "Beside it ", strong("beside", other.length_um))] : [];
     this.legend.replaceChildren(make("span", {}, "Deviation here ", value, drawn), ...beside, ...scale);
   }
@@ -177,8 +177,6 @@ export class Deviation {
     );
   }
 }
-
-const thousands = (value: number) => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
 function strong(at: string, um: number): HTMLElement {
   const words = um > 0 && um < 5e-4 ? "< 0.001" : rounded(um);

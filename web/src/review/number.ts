@@ -20,6 +20,9 @@ export function rounded(value: number): string {
   return value.toFixed(digits).replace("-", "−");
 }
 
+/** A count with its thousands apart. */
+export const counted = (count: number) => String(count).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+
 /** A figure with its unit; `at` names it for tests and for whoever looks at the source. */
 export function figure(at: string, value: number, unit: string): HTMLElement {
   return make(

@@ -4,7 +4,7 @@ import type { Work } from "../evaluator/types";
 import { type Findings, isSettled, type State } from "../session";
 import { make } from "../ui/dom";
 import { move, place } from "../ui/address";
-import { difference, figure, pair, rounded } from "./number";
+import { counted, difference, figure, pair, rounded } from "./number";
 
 /** The figure that decides, with the interval that is known of it. */
 export interface Deciding {
@@ -14,6 +14,8 @@ export interface Deciding {
   words: string;
   /** Where the interval comes from; empty without one. */
   source: string;
+  /** Number of poses of which the worst counts, where others of the volume may be worse. */
+  worstOf?: number;
 }
 
 /** Of a machine that is measured the 95 % value over the volume; of one that is only bounded that of the budget. */
@@ -24,16 +26,18 @@ export function deciding(of: Findings): Deciding | null {
   return {
     value: drawn.value,
     band: [drawn.low, drawn.high],
-    words: `95 of 100 machines built to these tolerances deviate less than this, ${STATISTICS[of.budget.statistic] ?? of.budget.statistic}. Nothing of this machine is measured.`,
-    source: `interval of ${of.budget.samples} drawn machines`,
+    words: `95 of 100 machines built to these tolerances deviate less than this, ${STATISTICS[of.budget.statistic]?.(counted(of.budget.poses)) ?? of.budget.statistic}. Nothing of this machine is measured.`,
+    source: `interval of ${counted(of.budget.samples)} drawn machines, at these poses`,
+    ...(of.budget.statistic === "max" ? { worstOf: of.budget.poses } : {}),
   };
 }
 
-const STATISTICS: Record<string, string> = {
-  max: "at their worst pose in the volume",
-  p95: "at 95 % of their poses in the volume",
-  rms: "in the root mean square over the volume",
-  mean: "on average over the volume",
+/** Of a number of poses of the volume: its corners, and random ones. */
+const STATISTICS: Record<string, (poses: string) => string> = {
+  max: (poses) => `at the worst of ${poses} poses in the volume, corners and random ones`,
+  p95: (poses) => `at 95 % of ${poses} poses in the volume, corners and random ones`,
+  rms: (poses) => `in the root mean square over ${poses} poses in the volume, corners and random ones`,
+  mean: (poses) => `on average over ${poses} poses in the volume, corners and random ones`,
 };
 
 function measured(map: NonNullable<Findings["map"]>): Deciding {
@@ -41,10 +45,9 @@ function measured(map: NonNullable<Findings["map"]>): Deciding {
   return {
     value: map.position_um.p95,
     band,
-    words:
-      "95 % of the poses in the volume deviate less than this: functional point, actual minus nominal, in machine coordinates.",
+    words: `95 % of ${counted(map.poses)} random poses in the volume deviate less than this: functional point, actual minus nominal, in machine coordinates.`,
     source: band
-      ? "interval by the uncertainties of the file"
+      ? "interval by the uncertainties of the file, at these poses; other poses differ"
       : "The file states no uncertainties, so no interval is known.",
   };
 }
@@ -164,7 +167,8 @@ function draft({ effort, now }: State): string {
 /** A limit within the band decides nothing. */
 export function verdict(of: Deciding, limit: number): string {
   const [low, high] = of.band ?? [of.value, of.value];
-  if (high <= limit) return `Passes by ${rounded(limit - of.value)} µm`;
+  const poses = of.worstOf ? ` at these ${counted(of.worstOf)} poses; others may be worse` : "";
+  if (high <= limit) return `Passes by ${rounded(limit - of.value)} µm${poses}`;
   if (low > limit) return `Fails by ${rounded(of.value - limit)} µm`;
   return "Open: the limit lies within the band";
 }
