@@ -224,8 +224,8 @@ fn is_local(headers: &HeaderMap, port: u16) -> bool {
     one(headers, header::HOST).is_some_and(|host| own(port).iter().any(|own| own == host))
 }
 
-/// True if a browser says that a page of another server asks. What says nothing is no browser, or a reader who typed the
-/// address.
+/// True if a browser says that a page of another server asks. What says nothing is no browser, or a reader who typed
+/// the address.
 fn is_foreign(headers: &HeaderMap, port: u16) -> bool {
     let is = |name: HeaderName, all: &[String]| {
         !headers.contains_key(&name) || one(headers, name).is_some_and(|found| all.iter().any(|own| own == found))

@@ -88,7 +88,8 @@ pub(super) fn open(session: &mut Session, machine: &Path, part: PartAsked, port:
     });
     let token = bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
     session.print(&format!(
-        "http://127.0.0.1:{port}/#token={token} is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
+        "http://127.0.0.1:{port}/#token={token} is the workbench of {}; \
+         the file changes when you save it there. Ctrl-C ends it.",
         machine.display()
     ));
     // Nobody knows the address of a server that cannot name it.
