@@ -117,6 +117,7 @@ mod report;
 mod repository;
 mod robots;
 mod rooms;
+mod rotary_sheet;
 mod scales;
 mod schema;
 mod second_hour;

@@ -5,7 +5,7 @@ use super::curves::CurveOf;
 use super::errors::unit;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, AxisName, ErrorId, Knots, Travel};
-use crate::syntax::Keys;
+use crate::units::significant;
 use std::collections::BTreeMap;
 
 /// Part of the measured range up to which a curve goes on beyond either end. Laser interferometers stop a few
@@ -84,7 +84,10 @@ pub fn beyond(
     let help = if beyond == Beyond::Refuse {
         "measure the rest or shorten the travel; nothing is extrapolated".to_owned()
     } else {
-        format!("measure the rest or shorten the travel; at most {most} {unit}, a tenth, go on beyond either end")
+        format!(
+            "measure the rest or shorten the travel; at most {most} {unit}, a tenth, go on beyond either end",
+            most = significant(most, 6)
+        )
     };
     let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel_place, "the travel");
     context.diagnostics.push(refusal.help(help));

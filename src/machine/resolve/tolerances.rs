@@ -6,8 +6,8 @@ use super::found_errors::{Errors, NEGATIVE, behind_both_signs, bounded};
 use super::joint_names::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{
-    AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, FRAME_KEYS,
-    Frames, MAIN_AXES, Machine, NamedClass, Tolerances, classes,
+    AxisKind, AxisName, Branch, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm,
+    FRAME_KEYS, Frames, MAIN_AXES, Machine, NamedClass, Tolerances, classes,
 };
 use crate::syntax::{BoundEntry, FigureEntry, FrameEntry, Keys, below, keys};
 use crate::units::significant;
@@ -195,7 +195,12 @@ fn joint(
                 context.at_key(codes::E0416, &here, format!("`{}` is not one bound", dotted_path(&here)), help);
                 continue;
             }
-            if by_letter(context, axis, family, if slot < 2 { SHIFTS } else { TURNS }, &here, errors) {
+            let letters = if slot < 2 { SHIFTS } else { TURNS };
+            // The letter along an axis is none of the directions across it.
+            let along = own_letter(known, axis).filter(|_| slot % 2 == 1 && family == ErrorFamily::Component);
+            let letters: Vec<Direction> =
+                letters.iter().copied().filter(|letter| Some(letter.index() % 3) != along).collect();
+            if by_letter(context, axis, family, &letters, &here, errors) {
                 continue;
             }
             let of = FigureOf {
@@ -208,6 +213,14 @@ fn joint(
         }
     }
     let _ = all.joints.insert(axis.clone(), both);
+}
+
+/// Returns the letter, 0 to 2, along which an axis lies on both sides of the bed.
+fn own_letter(known: &JointNames<'_>, axis: &AxisName) -> Option<usize> {
+    let draft = known.axis(axis)?;
+    let on = |branch: Branch| draft.on(branch).direction?.iter().position(|u| u.abs() > 1.0 - 1e-9);
+    let [tool, workpiece] = Branch::BOTH.map(on);
+    tool.filter(|_| tool == workpiece)
 }
 
 /// The key of the error of positioning of an axis.
