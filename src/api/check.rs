@@ -77,6 +77,7 @@ fn one(path: &Path, run: Run) -> CheckedFile {
 /// Returns a checked file with what is wrong with the job that it states.
 fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile {
     let Answer { value: machine, warnings: mut diagnostics } = answer;
+    machine.questions.iter().for_each(|question| diagnostics.push(question.clone()));
     let found = Call::answer(run, machine.sources(), |call| {
         let paths = JobPaths { job: None, tool_poses: None, path: None };
         paths.with_tool(call, &machine, |call, machine| {

@@ -252,6 +252,7 @@ codes! {
     W0410 "six linear axes in one chain",
     W0411 "a bound of an error that has a value",
     W0412 "a curve stops short of the travel",
+    W0413 "geometry that is seldom meant",
     W0601 "an axis is written under another letter",
     W0602 "tables increase the error or have no effect",
     W0603 "the orientation gets worse",

@@ -21,6 +21,8 @@ pub struct MachineFile {
     pub(crate) is_tool_asked: bool,
     /// True if a travel is written in inches.
     pub(crate) in_inches: bool,
+    /// What `check` asks about its geometry.
+    pub(crate) questions: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,
 }
@@ -176,11 +178,23 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let machine = machine.ok_or(Refused)?;
     let travels = document.iter().flat_map(|d| d.axes.values().flatten()).filter_map(|axis| axis.travel.as_ref());
     let in_inches = travels.into_iter().any(TravelEntry::is_in_inches);
+    let questions = document.as_ref().map_or_else(Vec::new, |document| machine::questions(document, &machine));
     let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
     let input_files = input_files(path, &sources, files);
     let (path, is_tool_asked) = (path.to_owned(), false);
-    let file = MachineFile { machine, identify, job, sources, path, is_tool_asked, in_inches, warnings, input_files };
+    let file = MachineFile {
+        machine,
+        identify,
+        job,
+        sources,
+        path,
+        is_tool_asked,
+        in_inches,
+        questions,
+        warnings,
+        input_files,
+    };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

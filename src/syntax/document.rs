@@ -66,6 +66,8 @@ pub struct Document {
     pub places: Places,
     /// The chains under which the geometry of axes was written.
     pub chains: WrittenChains,
+    /// Gauge points of bases that variants displace, by the entry that has another one.
+    pub moved_gauges: Vec<(Keys, [Scalar; 3])>,
 }
 
 /// An axis.
@@ -464,6 +466,7 @@ impl Document {
             job: reader.map.remove("job").map(|value| JobText::of_machine(value, reader.places.clone())),
             places: Places::default(),
             chains: layer.chains,
+            moved_gauges: layer.moved_gauges,
         };
         reader.unknown();
         Self { places: reader.places, ..document }

@@ -71,7 +71,7 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
     let root = schema();
     let form = FileForm { schemas: [&root, &root], empty };
     let WrittenMapping { map, places } = read_mapping(path, named, form, files, diagnostics)?;
-    Some(Layer { map, places, chains: WrittenChains::default() })
+    Some(Layer { map, places, chains: WrittenChains::default(), moved_gauges: Vec::new() })
 }
 
 /// Entries that take each other's place, by where they stand.
@@ -110,6 +110,8 @@ fn merge(mut base: Layer, over: Layer) -> Layer {
         base.places.remove(&entry);
     }
     let moved = geometry::with_origin(&over.map);
+    base.moved_gauges.extend(over.moved_gauges);
+    base.moved_gauges.extend(geometry::displaced_gauges(&base.map, &over.map));
     merge_map(&mut base.map, over.map, &mut base.places, &over.places, &Vec::new());
     base.chains.note(&moved, &base.map);
     base

@@ -4,6 +4,7 @@ use super::forms::{Forms, deserialize_by_forms};
 use super::places::{Keys, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
+use crate::units;
 use indexmap::IndexMap;
 use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
@@ -34,7 +35,11 @@ impl TravelEntry {
     /// True if an end is written in inches.
     pub fn is_in_inches(&self) -> bool {
         let inch = |end: &Scalar| match end {
-            Scalar::Text(text) => text.trim_end().ends_with("in") || text.contains("inch"),
+            Scalar::Text(text) => {
+                let word = text.trim_end().rsplit(|c: char| !c.is_alphabetic()).next();
+                let inch = units::unit("in").ok();
+                word.and_then(|word| units::unit(word).ok()).is_some_and(|unit| Some(unit) == inch)
+            }
             Scalar::Number(_) => false,
         };
         matches!(self, Self::Range(ends) if ends.iter().any(inch))
@@ -187,6 +192,25 @@ pub(super) fn displaced_entries(base: &Mapping, over: &Mapping) -> Vec<Keys> {
         }
     }
     entries
+}
+
+/// Gauge points of a base that a variant writes anew.
+pub(super) fn displaced_gauges(base: &Mapping, over: &Mapping) -> Vec<(Keys, [Scalar; 3])> {
+    let tools = |map: &Mapping| -> Vec<Keys> {
+        let named = map.get("tools").and_then(Value::as_mapping).into_iter().flat_map(Mapping::keys);
+        let named = named.filter_map(Value::as_str).map(|name| keys(["tools", name, "gauge"]));
+        named.chain([keys(["tool", "gauge"])]).collect()
+    };
+    let gauge = |map: &Mapping, at: &Keys| -> Option<[Scalar; 3]> {
+        let (first, rest) = at.split_first()?;
+        let value = rest.iter().try_fold(map.get(first.as_str())?, |value, key| value.get(key.as_str()))?;
+        serde_yaml::from_value::<Vec<Scalar>>(value.clone()).ok()?.try_into().ok()
+    };
+    let displaced = |at: Keys| {
+        let (own, new) = (gauge(base, &at)?, gauge(over, &at)?);
+        (own != new).then_some((at, own))
+    };
+    tools(over).into_iter().filter_map(displaced).collect()
 }
 
 /// True for an entry that a variant replaces whole: a position, a rotation, or an error in the block of a side.

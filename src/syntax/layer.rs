@@ -1,7 +1,8 @@
 //! A file merged over what it extends.
 
 use super::geometry::WrittenChains;
-use super::places::Places;
+use super::places::{Keys, Places};
+use super::scalar::Scalar;
 use serde_yaml::Mapping;
 
 /// The merged tree and where its entries stand.
@@ -9,4 +10,6 @@ pub struct Layer {
     pub map: Mapping,
     pub places: Places,
     pub chains: WrittenChains,
+    /// Gauge points that the file displaces.
+    pub moved_gauges: Vec<(Keys, [Scalar; 3])>,
 }

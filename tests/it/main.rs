@@ -102,6 +102,7 @@ mod progress;
 mod promised;
 mod published;
 mod pulses;
+mod questions;
 mod rank;
 mod ranks;
 mod reach;

@@ -16,6 +16,7 @@ mod names;
 mod parts;
 mod positions;
 mod quantities;
+mod questions;
 mod short;
 mod side_errors;
 mod sides;
@@ -25,6 +26,7 @@ mod volume;
 
 pub use errors::{largest, largest_stated, plausible_size};
 pub use names::parse_error_name;
+pub use questions::questions;
 pub use sides::{CLASS_ANGLES, no_origin};
 
 use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Origins};

@@ -5,6 +5,7 @@ use super::curves::CurveOf;
 use super::errors::unit;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, AxisName, ErrorId, Knots, Travel};
+use crate::syntax::Keys;
 use crate::units::significant;
 use std::collections::BTreeMap;
 

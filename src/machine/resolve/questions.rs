@@ -1,0 +1,164 @@
+//! Geometry that is allowed and seldom meant: `check` asks about it.
+
+use super::sides::no_origin;
+use crate::diagnostic::{Diagnostic, codes};
+use crate::machine::{Axis, AxisKind, Branch, ErrorTerm, Machine, Sense, Travel};
+use crate::syntax::{Document, Keys, Scalar, keys};
+use crate::units::{self, Dimension, significant};
+
+/// A translation of a location error from which on it is a position that belongs elsewhere, mm.
+const POSITION: f64 = 1.0;
+/// A displacement of the gauge point by a variant from which on it is another spindle, mm.
+const OTHER_SPINDLE: f64 = 50.0;
+/// A travel is in radians if its ends are so near (deg) to multiples of five degrees.
+const NEAR: f64 = 0.2;
+/// A distance that a tip may miss the workpiece by, mm: rounding of drawings.
+const MISSED: f64 = 1.0;
+
+/// Returns what to ask about the geometry of a machine that a document was resolved to.
+pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let mut found = absent(document, machine);
+    found.extend(origins(document, machine));
+    found.extend(machine.axes().iter().filter_map(|axis| radians(document, axis)));
+    found.extend(misplaced(machine).map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)));
+    found.extend(positions(document, machine));
+    found.extend(document.moved_gauges.iter().filter_map(|(at, base)| moved_gauge(document, at, base)));
+    found
+}
+
+fn ask(document: &Document, at: &Keys, message: String, help: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(codes::W0413, message).at(document.places.key(at), "").help(help)
+}
+
+/// Asks about sections that are not there.
+fn absent(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let at = keys(["machine"]);
+    let mut found = Vec::new();
+    if document.tool.is_none() && document.tools.is_empty() {
+        let help = "write `tool: { gauge: [250, 225, 0], length: 120 mm }`: angles act by the arm to the tip";
+        found.push(ask(document, &at, "no `tool`: gauge point and tip lie at machine zero".to_owned(), help));
+    }
+    let turns = machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary);
+    if turns && document.workpiece.as_ref().is_none_or(|workpiece| workpiece.origin.is_none()) {
+        let help = "write `workpiece: { origin: [250, 225, -380] }`; `[0, 0, 0]` keeps machine zero";
+        found.push(ask(document, &at, "no `workpiece`: its origin lies at machine zero".to_owned(), help));
+    }
+    found
+}
+
+/// Asks for origins of rotary axes, and of all axes of a machine that is only bounded: verbs that judge it bound its
+/// angles by a class.
+fn origins(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let is_bound = |term: &ErrorTerm| matches!(term, ErrorTerm::Tolerance(_));
+    let any = machine.errors().next().is_some() || machine.tolerances().count() > 0;
+    let only_bounded = any && machine.errors().all(|(_, term)| is_bound(term));
+    let said = machine.without_origin_in_file();
+    let asked = machine.without_origin(|_| true).into_iter().filter(|index| !said.contains(index));
+    let one = |index: usize| {
+        let axis = &machine.axes()[index];
+        let why = match axis.kind {
+            AxisKind::Rotary => "has a line",
+            AxisKind::Linear if only_bounded => "has no bounds of its angles, for which verbs take those of a class,",
+            AxisKind::Linear => return None,
+        };
+        let place = document.places.key(&keys(["axes", axis.name.as_str()]));
+        Some(no_origin(machine, index, why).at(place, ""))
+    };
+    asked.filter_map(one).collect()
+}
+
+/// Asks about a travel of a rotary axis whose ends are angles in radians.
+fn radians(document: &Document, axis: &Axis) -> Option<Diagnostic> {
+    let Travel::Range(min, max) = axis.travel else { return None };
+    let is_angle = |end: f64| {
+        let (degrees, halves) = (end.to_degrees(), 2.0 * end);
+        let off = |x: f64, step: f64| (x - step * libm::round(x / step)).abs();
+        end.abs() <= 6.3 && off(degrees, 5.0) <= NEAR && off(halves, 1.0) > 1e-3
+    };
+    let mut ends = [min, max].into_iter().filter(|end| *end != 0.0);
+    if axis.kind != AxisKind::Rotary || !ends.all(is_angle) {
+        return None;
+    }
+    let [from, to] = [min, max].map(|end| significant(libm::round(end.to_degrees()), 4));
+    let message = format!("axis `{}` travels from {min} to {max} deg: are these radians?", axis.name);
+    let help = format!("write degrees, such as `travel: [{from} deg, {to} deg]`");
+    Some(ask(document, &keys(["axes", axis.name.as_str()]), message, help))
+}
+
+/// Returns what to ask of a tip that never comes to the workpiece, whatever the linear axes do.
+fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
+    let zero = |axis: &&Axis| axis.kind == AxisKind::Rotary && !axis.travel.contains(0.0);
+    let (tip, origin, tool) = (machine.tool().tip, machine.workpiece(), machine.tool().direction);
+    if machine.axes().iter().find(zero).is_some() {
+        return None;
+    }
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+    // The place of the tip relative to the workpiece in a direction, and how far the linear axes take it.
+    let reach = |along: [f64; 3]| {
+        let at = dot(tip, along) - dot(origin, along);
+        machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).fold((at, at), |(low, high), axis| {
+            let backwards = axis.branch == Branch::Workpiece && axis.sense == Sense::Direct;
+            let by = dot(axis.direction, along) * if backwards { -1.0 } else { 1.0 };
+            let ((min, max), ends) = (axis.travel.interval(), |q: f64| q * by);
+            (low + ends(min).min(ends(max)), high + ends(min).max(ends(max)))
+        })
+    };
+    let point = |p: [f64; 3]| p.map(|x| significant(x, 6)).join(", ");
+    let places = format!("tip [{}], workpiece origin [{}] at the zero pose", point(tip), point(origin));
+    let help = "both are in machine coordinates at the zero pose: check `gauge`, `length`, `workpiece` and travels";
+    let (low, high) = reach(tool);
+    if high < low + MISSED {
+        return None;
+    }
+    if high < -MISSED {
+        let by = significant(-high, 4);
+        return Some((format!("the tip stays {by} mm below the workpiece origin along the tool axis: {places}"), help));
+    }
+    if low > high - low {
+        let by = significant(low, 4);
+        return Some((format!("the tip stays {by} mm above the workpiece origin along the tool axis: {places}"), help));
+    }
+    let across = (0..3).map(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
+    let across = across.zip(["X", "Y", "Z"]).filter(|(along, _)| dot(*along, tool).abs() < 1e-6);
+    let missed = across.map(|(along, letter)| (reach(along), letter));
+    let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > MISSED);
+    let (by, letter) = missed?;
+    let by = significant(by, 4);
+    Some((format!("the tip stays {by} mm beside the workpiece origin along {letter}: {places}"), help))
+}
+
+/// Asks about location errors of the size of positions.
+fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<Item = Diagnostic> + 'a {
+    machine.errors().filter_map(move |(error, term)| {
+        let ErrorTerm::Constant(value) = term else { return None };
+        if error.direction.is_rotation() || value.abs() < POSITION {
+            return None;
+        }
+        let (value, axis) = (significant(*value, 4), &error.axis);
+        let message = format!("`{error}` is {value} mm: is it the place where axis `{axis}` stands by design?");
+        let help = format!("such a place is its `origin`; `{error}` is how far it is off, micrometres on a machine");
+        Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
+    })
+}
+
+/// Asks about a gauge point that a variant moves far from that of its base.
+fn moved_gauge(document: &Document, at: &Keys, base: &[Scalar; 3]) -> Option<Diagnostic> {
+    let written = match at.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["tool", _] => document.tool.as_ref()?,
+        [_, name, _] => document.tools.get(name)?.as_ref()?,
+        _ => return None,
+    };
+    let mm = |scalar: &Scalar| match scalar {
+        Scalar::Number(mm) => Some(*mm),
+        Scalar::Text(text) => units::quantity(text).ok().filter(|q| q.dimension == Dimension::LENGTH).map(|q| q.value),
+    };
+    let pairs = written.gauge.as_ref()?.iter().zip(base);
+    let squares = pairs.map(|(a, b)| mm(a).zip(mm(b)).map(|(a, b)| (a - b) * (a - b))).sum::<Option<f64>>()?;
+    let by = libm::sqrt(squares);
+    if by < OTHER_SPINDLE {
+        return None;
+    }
+    let message = format!("the variant moves the gauge point of its base by {} mm", significant(by, 4));
+    let help = "another tool in the same spindle has another `length`, and the gauge point of the base";
+    Some(ask(document, at, message, help))
+}
