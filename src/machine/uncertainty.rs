@@ -85,8 +85,8 @@ impl Machine {
         &self.parts().unheld
     }
 
-    /// Returns the range (mm, deg) in which the curves of an axis were measured, if it is less than the travel: what the
-    /// file states of fits, and where all curves through points have points.
+    /// Returns the range (mm, deg) in which the curves of an axis were measured, if it is less than the travel: what
+    /// the file states of fits, and where all curves through points have points.
     pub fn measured_range(&self, axis: &AxisName) -> Option<(f64, f64)> {
         let stated = self.parts().measured.get(axis).copied();
         let short = self.axis_index(axis.as_str()).into_iter().flat_map(|i| {

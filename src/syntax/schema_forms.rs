@@ -338,6 +338,6 @@ words! {
     location_order: ["nilpotent", "real"], "Order of location errors.";
     joints: ["orthogonal", "linearised"], "Shape of error matrices.";
     interpolation: ["linear", "cubic"], "Between points.";
-    beyond: ["hold", "slope", "refuse"], "Beyond the points of curves that stop short of the travel: the last value, the \
-        last slope, or not at all.";
+    beyond: ["hold", "slope", "refuse"], "Beyond the points of curves that stop short of the travel: the last value, \
+        the last slope, or not at all.";
 }

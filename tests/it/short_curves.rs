@@ -83,10 +83,10 @@ fn both_directions_and_rotary_axes_go_on_too() {
     let file = machine(&format!("errors: {{ EXX: {{ forward: {}, reverse: {} }} }}", points(1.0), points(2.0)));
     near(&values(&file, &[0.0]), &[1.5]);
     let rotary = |travel: &str, to: f64| {
-        format!(
-            "abbe: 1\nmachine: One\nchain: \"w b X C t\"\naxes:\n  X: {{ travel: [0 mm, 9 mm] }}\n  C: {{ travel: {travel}, \
-             origin: [0, 0, 0] }}\nerrors: {{ EXC: {{ points: [[-80, 1 um], [{to}, 1 um]], beyond: hold }} }}\n"
-        )
+        let head = "abbe: 1\nmachine: One\nchain: \"w b X C t\"\naxes:\n  X: { travel: [0 mm, 9 mm] }\n";
+        let axis = format!("  C: {{ travel: {travel}, origin: [0, 0, 0] }}\n");
+        let points = format!("[[-80, 1 um], [{to}, 1 um]]");
+        format!("{head}{axis}errors: {{ EXC: {{ points: {points}, beyond: hold }} }}\n")
     };
     let _ = silent(&[("m.yaml", &rotary("[-90, 90]", 85.0))]);
     assert_eq!(said(&[("m.yaml", &rotary("continuous", 279.0))]).0, ["E0410"]);

@@ -1,7 +1,7 @@
 //! Number of poses of a certificate and of its single errors.
 
 use crate::controller::replay::Replay;
-use crate::evaluate::{Poses, Random};
+use crate::evaluate::random_poses;
 use crate::machine::{Machine, Pose};
 use std::collections::BTreeSet;
 
@@ -20,26 +20,61 @@ const MAX_SINGLE_POSES: usize = 2000;
 /// Largest number of a lattice's nodes that are filled for the figures of single errors.
 const MAX_SINGLE_NODES: usize = 16_384;
 
+/// An axis whose volume reaches beyond what was measured of it: its index, the measured part of its volume, and its
+/// volume (mm, deg).
+struct ShortAxis {
+    axis: usize,
+    measured: (f64, f64),
+    volume: (f64, f64),
+}
+
+impl ShortAxis {
+    fn all(machine: &Machine) -> Vec<Self> {
+        let both = machine.measured_volume().into_iter().zip(machine.volume()).enumerate();
+        let all = both.map(|(axis, (measured, grid))| Self { axis, measured, volume: (grid.min, grid.max) });
+        all.filter(|short| short.measured != short.volume).collect()
+    }
+
+    /// Returns the share of the volume below a position.
+    fn share(&self, position: f64) -> f64 {
+        (position - self.volume.0) / (self.volume.1 - self.volume.0)
+    }
+
+    fn within(&self, position: f64) -> f64 {
+        let (low, high) = self.measured;
+        (low + self.share(position) * (high - low)).min(high)
+    }
+
+    /// Returns the position at the same share of the two ends beyond.
+    fn beyond(&self, position: f64) -> f64 {
+        let (below, above) = (self.measured.0 - self.volume.0, self.volume.1 - self.measured.1);
+        let along = self.share(position) * (below + above);
+        if along < below { self.volume.0 + along } else { (self.measured.1 + (along - below)).min(self.volume.1) }
+    }
+}
+
 impl Depth {
     /// Returns the poses, spread over the measured part of the volume.
     pub fn poses(self, machine: &Machine) -> Vec<Pose> {
-        Poses::Random(Random::new(machine.measured_volume(), self.poses, self.seed)).iter().collect()
+        let mut poses = random_poses(machine, self.poses, self.seed);
+        for short in ShortAxis::all(machine) {
+            poses.iter_mut().for_each(|pose| pose[short.axis] = short.within(pose[short.axis]));
+        }
+        poses
     }
 
-    /// Returns as many poses spread over the volume, each with an axis in turn beyond what was measured of it; none of a
-    /// volume that is measured everywhere.
+    /// Returns as many poses spread over the volume, each with an axis in turn beyond what was measured of it; none
+    /// where all of the volume was measured.
     pub fn poses_beyond(self, machine: &Machine) -> Vec<Pose> {
-        let short: Vec<_> = machine.measured_volume().into_iter().zip(machine.volume()).enumerate().collect();
-        let short: Vec<_> =
-            short.into_iter().filter(|(_, ((low, high), grid))| *low > grid.min || *high < grid.max).collect();
-        let mut poses = Poses::Random(Random::of(machine, self.poses, self.seed)).iter().collect::<Vec<Pose>>();
-        for (pose, (axis, ((low, high), grid))) in poses.iter_mut().zip(short.iter().cycle()) {
-            // The place along the axis, as a length along its two ends.
-            let (before, behind) = (low - grid.min, grid.max - high);
-            let along = (pose[*axis] - grid.min) / (grid.max - grid.min) * (before + behind);
-            pose[*axis] = if along < before { grid.min + along } else { high + (along - before) };
+        let all = ShortAxis::all(machine);
+        if all.is_empty() {
+            return Vec::new();
         }
-        if short.is_empty() { Vec::new() } else { poses }
+        let mut poses = random_poses(machine, self.poses, self.seed);
+        for (pose, short) in poses.iter_mut().zip(all.iter().cycle()) {
+            pose[short.axis] = short.beyond(pose[short.axis]);
+        }
+        poses
     }
 }
 
