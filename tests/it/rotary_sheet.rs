@@ -5,11 +5,11 @@ use super::program::{Folder, json, text};
 use serde_json::Value;
 
 fn machine(axes: &str, tolerances: &str) -> String {
-    format!(
-        "abbe: 1\nmachine: Table\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Y: {{ \
-         travel: [0, 400], origin: [0, 0, 0] }}\n  Z: {{ travel: [-300, 0], origin: [0, 0, 0] }}\n{axes}\ntool: {{ gauge: \
-         [250, 200, 0], length: 100 mm }}\nworkpiece: {{ origin: [250, 200, -300] }}\ntolerances:\n{tolerances}\n"
-    )
+    let head = "abbe: 1\nmachine: Table\nchain: \"w C' b X Y Z t\"\naxes:\n";
+    let linear = [("X", "[0, 500]"), ("Y", "[0, 400]"), ("Z", "[-300, 0]")];
+    let linear = linear.map(|(name, travel)| format!("  {name}: {{ travel: {travel}, origin: [0, 0, 0] }}\n")).concat();
+    let rest = "tool: { gauge: [250, 200, 0], length: 100 mm }\nworkpiece: { origin: [250, 200, -300] }\n";
+    format!("{head}{linear}{axes}\n{rest}tolerances:\n{tolerances}\n")
 }
 
 const UPRIGHT: &str = "  C: { travel: continuous, origin: [250, 200, -300] }";
@@ -21,7 +21,10 @@ fn budget(folder: &Folder, tolerances: &str, more: &[&str]) -> Value {
 }
 
 fn without_letter(mut of: Value) -> Value {
-    of.as_object_mut().unwrap().remove("inputs");
+    let _ = of.as_object_mut().unwrap().remove("inputs");
+    for one in of["tighten"].as_array_mut().unwrap() {
+        let _ = one.as_object_mut().unwrap().remove("by_letter");
+    }
     of
 }
 
