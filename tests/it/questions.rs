@@ -22,7 +22,7 @@ errors: { EX0C: 6 um }
 
 /// Codes and text of what `check` says.
 fn asked(file: &Path) -> (Vec<&'static str>, String) {
-    let checked = check([file], Run::default()).remove(0);
+    let checked = check([file], Run::on_disk()).remove(0);
     assert!(!checked.refused());
     (checked.diagnostics.iter().map(|d| d.code.id).collect(), render(&checked.diagnostics, Rendering::default()))
 }
@@ -33,7 +33,7 @@ fn with(folder: &Folder, from: &str, to: &str) -> (Vec<&'static str>, String) {
     assert!(changed != SOUND || from == to, "{from}");
     let file = folder.with("m.yaml", &changed);
     // Other verbs take it as it stands.
-    assert_eq!(load(&file, &LoadOptions::default(), Run::default()).unwrap().warnings.count(), 0, "{to}");
+    assert_eq!(load(&file, &LoadOptions::default(), Run::on_disk()).unwrap().warnings.count(), 0, "{to}");
     asked(&file)
 }
 

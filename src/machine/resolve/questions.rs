@@ -20,7 +20,12 @@ pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     let mut found = absent(document, machine);
     found.extend(origins(document, machine));
     found.extend(machine.axes().iter().filter_map(|axis| radians(document, axis)));
-    found.extend(misplaced(machine).map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)));
+    let is_stated = moves(machine) && document.workpiece.as_ref().is_some_and(|workpiece| workpiece.origin.is_some());
+    found.extend(
+        misplaced(machine)
+            .filter(|_| is_stated)
+            .map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)),
+    );
     found.extend(positions(document, machine));
     found.extend(document.moved_gauges.iter().filter_map(|(at, base)| moved_gauge(document, at, base)));
     found
@@ -28,6 +33,11 @@ pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
 
 fn ask(document: &Document, at: &Keys, message: String, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::W0413, message).at(document.places.key(at), "").help(help)
+}
+
+/// True if linear axes take the tool about the workpiece: neither a robot nor an example of a joint or two.
+fn moves(machine: &Machine) -> bool {
+    machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).count() >= 2
 }
 
 /// Asks about sections that are not there.
@@ -39,7 +49,7 @@ fn absent(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
         found.push(ask(document, &at, "no `tool`: gauge point and tip lie at machine zero".to_owned(), help));
     }
     let turns = machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary);
-    if turns && document.workpiece.as_ref().is_none_or(|workpiece| workpiece.origin.is_none()) {
+    if turns && moves(machine) && document.workpiece.as_ref().is_none_or(|workpiece| workpiece.origin.is_none()) {
         let help = "write `workpiece: { origin: [250, 225, -380] }`; `[0, 0, 0]` keeps machine zero";
         found.push(ask(document, &at, "no `workpiece`: its origin lies at machine zero".to_owned(), help));
     }
@@ -110,16 +120,21 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     if high < low + MISSED {
         return None;
     }
-    if high < -MISSED {
-        let by = significant(-high, 4);
-        return Some((format!("the tip stays {by} mm below the workpiece origin along the tool axis: {places}"), help));
+    // A part stands on its table, which need not be across the tool.
+    let up = machine.workpiece_rotation().map_or([0.0, 0.0, 1.0], |turn| turn.column(2).into_owned().into());
+    for (high, along) in [(high, "the tool axis"), (reach(up).1, "Z of the part")] {
+        if high < -MISSED {
+            let by = significant(-high, 4);
+            return Some((format!("the tip stays {by} mm below the workpiece origin along {along}: {places}"), help));
+        }
     }
     if low > high - low {
         let by = significant(low, 4);
         return Some((format!("the tip stays {by} mm above the workpiece origin along the tool axis: {places}"), help));
     }
     let across = (0..3).map(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
-    let across = across.zip(["X", "Y", "Z"]).filter(|(along, _)| dot(*along, tool).abs() < 1e-6);
+    let is_across = |along: [f64; 3]| dot(along, tool).abs() < 1e-6 && dot(along, up).abs() < 1e-6;
+    let across = across.zip(["X", "Y", "Z"]).filter(|(along, _)| is_across(*along));
     let missed = across.map(|(along, letter)| (reach(along), letter));
     let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > MISSED);
     let (by, letter) = missed?;
