@@ -118,7 +118,8 @@ impl MapOptions {
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MapPoses {
-    /// The tool poses of the job of the machine file, or else the grid of the volume of the machine.
+    /// The tool poses of the job of the machine file, or else the grid of the volume of the machine; 100,000 spread
+    /// poses where the file states no volume and the grid of the travels has more than [`Self::MAX_HELD`].
     #[default]
     Grid,
     /// Random poses over the volume: their number.
@@ -145,7 +146,7 @@ impl MapPoses {
     /// Returns the number of poses; `None` where a file decides.
     pub fn count(&self, file: &MachineFile) -> Option<usize> {
         match self {
-            Self::Grid => file.job.is_none().then(|| Nodes::of(file).len()),
+            Self::Grid => file.job.is_none().then(|| of_volume(file, 0).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
             Self::Listed(list) => Some(list.len()),
             Self::ToolPoses(_) | Self::Job(_) => None,
@@ -163,11 +164,23 @@ impl MapPoses {
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
             Self::Grid | Self::ToolPoses(_) | Self::Job(_) => match reached {
                 Some(reached) => Poses::Listed(reached.poses.clone()),
-                None => Poses::Nodes(Nodes::of(machine)),
+                None => of_volume(machine, seed),
             },
             Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
         })
     }
+}
+
+/// Number of poses in place of a grid that nobody asked for and that is too large.
+const SPREAD_POSES: usize = 100_000;
+
+/// Returns the poses of a map of the volume.
+fn of_volume(machine: &Machine, seed: u64) -> Poses {
+    let nodes = Nodes::of(machine);
+    if nodes.len() > MapPoses::MAX_HELD && machine.has_default_volume() {
+        return Poses::Spread(Spread::of(machine, SPREAD_POSES, seed));
+    }
+    Poses::Nodes(nodes)
 }
 
 /// A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to.

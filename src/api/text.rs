@@ -2,7 +2,7 @@
 
 pub use super::check::annotations;
 pub use crate::controller::micro;
-pub use crate::diagnostic::{Reason, Rendering, render, shown, summary as counts};
+pub use crate::diagnostic::{Reason, Rendering, did_you_mean, render, shown, summary as counts};
 pub use crate::evaluate::UnknownOrder;
 pub use crate::job::over::fold;
 pub use crate::job::poses::axes_text;

@@ -70,8 +70,8 @@ pub(super) enum Verb {
     Diff(diff::Args),
     /// A test piece of a standard as a job: tool poses, features and tolerances.
     Testpiece(testpiece::Args),
-    /// The controllers, their mechanisms, and how sure their facts are.
-    Targets,
+    /// The controllers, one a line; of one its mechanisms, limits, and how sure its facts are.
+    Targets(targets::Args),
     /// The long text of a code, an error name or a target.
     Explain(explain::Args),
     /// Write a machine file to begin with.
@@ -84,7 +84,6 @@ pub(super) enum Verb {
         shell: clap_complete::Shell,
     },
     /// Write the manual pages.
-    #[command(hide = true)]
     Man(man::Args),
 }
 
@@ -157,7 +156,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Workbench(args) => workbench::run(session, &args),
         Verb::Diff(args) => diff::run(session, &args),
         Verb::Testpiece(args) => testpiece::run(session, &args),
-        Verb::Targets => targets::run(session),
+        Verb::Targets(args) => targets::run(session, &args),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),
         Verb::Schema => schema(session),

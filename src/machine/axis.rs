@@ -13,6 +13,16 @@ pub enum AxisKind {
     Rotary,
 }
 
+impl AxisKind {
+    /// Returns the step (mm, deg) of maps and tables of a file that states none.
+    pub fn default_step(self) -> f64 {
+        match self {
+            Self::Linear => 25.0,
+            Self::Rotary => 15.0,
+        }
+    }
+}
+
 /// The travel of an axis, in mm or deg as programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {

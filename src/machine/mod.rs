@@ -54,7 +54,9 @@ pub use knots::{Knots, KnotsFailure};
 pub use model::{AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, Tool, axis_positions};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{Approach, CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
-pub use resolve::{CLASS_ANGLES, largest, largest_stated, no_origin, parse_error_name, plausible_size, questions, resolve};
+pub use resolve::{
+    CLASS_ANGLES, largest, largest_stated, no_origin, parse_error_name, plausible_size, questions, resolve,
+};
 pub use set_up::SetUp;
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
 pub use uncertainty::UncertainPart;

@@ -277,6 +277,14 @@ impl Machine {
         &self.parts.volume
     }
 
+    /// True if the volume is that of a file without one: the travels, in the default steps.
+    pub fn has_default_volume(&self) -> bool {
+        let is_default = |(axis, grid): (&Axis, &Grid)| {
+            (grid.min, grid.max) == axis.travel.interval() && grid.step == axis.kind.default_step()
+        };
+        self.parts.axes.iter().zip(&self.parts.volume).all(is_default)
+    }
+
     /// Expanded uncertainty (k = 2; mm or rad) of an error's values, if the file states it.
     pub fn uncertainty(&self, error: &ErrorId) -> Option<f64> {
         self.parts.uncertainty.get(error).copied()

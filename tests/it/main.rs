@@ -29,6 +29,7 @@ mod convert;
 mod corpora;
 mod coverage;
 mod datum;
+mod defaults;
 mod defects;
 mod determinism;
 mod diagnostics;

@@ -10,6 +10,7 @@ use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use abbe::results::ReadFailure;
 use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, STALE_HELP, is_plain_name, refuse_outside};
+use abbe::text::shown;
 use abbe::{Diagnostic, codes};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,8 @@ pub(crate) struct NewSet<'a> {
     pub read: &'a Recorded,
     /// True if the target writes files of this name.
     pub writes: &'a dyn Fn(&str, &str) -> bool,
+    /// True if it may take the place of the set of another target or machine.
+    pub other: bool,
 }
 
 impl NewSet<'_> {
@@ -65,6 +68,13 @@ impl NewSet<'_> {
         }
         if let Some(refusal) = old.as_ref().and_then(|lock| refuse_outside(lock, folder)) {
             return Err(refusal);
+        }
+        let is_other = |old: &&Lock| (&old.target, &old.machine) != (&self.lock.target, &self.lock.machine);
+        if let Some(old) = old.as_ref().filter(is_other).filter(|old| !self.other && !old.files.is_empty()) {
+            let message =
+                format!("`{}` holds the set of `{}` for `{}`", folder.display(), old.target, shown(&old.machine));
+            let help = "give another folder to --out, or `--replace` to put this set in its place; nothing was written";
+            return Err(Diagnostic::new(codes::E0706, message).help(help));
         }
         let half_replaced = commit::is_half_replaced(folder);
         // Files that a killed run had decided are ours too.

@@ -26,6 +26,9 @@ pub(crate) struct Args {
     /// Write files of a format or a sign that is known from memory only.
     #[arg(long)]
     accept_unverified: bool,
+    /// Replace the set of another target or machine in --out.
+    #[arg(long)]
+    replace: bool,
     /// Archive the set that this run replaces in the folder of a record, outside of --out.
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
@@ -89,7 +92,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
-    let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes };
+    let other = args.replace;
+    let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes, other };
     match new.write(&args.out) {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
@@ -108,7 +112,7 @@ fn compose(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
-    let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes };
+    let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes, other: args.replace };
     let parts: Vec<_> = set.parts.iter().map(|one| (one.folder.as_str(), of(&one.files, &one.lock))).collect();
     match of(&[], &set.lock).write_above(&args.out, &parts) {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),

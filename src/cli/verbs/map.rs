@@ -267,7 +267,7 @@ fn sampling(args: &Args, result: &MapResult) -> String {
     match (&result.tool_poses, &result.grid) {
         (Some(reached), _) => tool_poses_text(reached),
         (_, Some(counts)) => counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ") + " grid",
-        _ if args.low_discrepancy.is_some() => "low-discrepancy over the volume".to_owned(),
+        _ if args.random.is_none() => "low-discrepancy over the volume".to_owned(),
         _ => "random over the volume".to_owned(),
     }
 }

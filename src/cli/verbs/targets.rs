@@ -1,15 +1,44 @@
-//! `abbe targets`: mechanism and limits of each controller, and how sure its facts are.
+//! `abbe targets`: the controllers, one a line; of one its mechanism and limits, and how sure its facts are.
 
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use abbe::results::TargetSummary;
-use abbe::targets;
+use abbe::text::{did_you_mean, shown};
+use abbe::{Diagnostic, codes, targets};
 use serde_json::json;
 
-pub(crate) fn run(session: &Session) -> Outcome {
-    let targets = targets();
-    let text = || targets.iter().map(TargetSummary::text).collect::<Vec<_>>().join("\n");
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// A target of which everything is told.
+    name: Option<String>,
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let mut targets = targets();
+    if let Some(name) = &args.name {
+        let known: Vec<&str> = targets.iter().map(|target| target.target.as_str()).collect();
+        if !known.contains(&name.as_str()) {
+            let message = format!("there is no target `{}`", shown(name));
+            return session.refuse(Diagnostic::new(codes::E0701, message).help(did_you_mean(name, &known)));
+        }
+        targets.retain(|target| target.target == *name);
+    }
+    let text = || match &args.name {
+        Some(_) => targets.iter().map(TargetSummary::text).collect(),
+        None => list(&targets),
+    };
     session.show(&json!({"targets": targets}), || csv(&targets), text)
+}
+
+/// Names and titles in 80 columns.
+fn list(targets: &[TargetSummary]) -> String {
+    let width = targets.iter().map(|of| of.target.len()).max().unwrap_or(0);
+    let line = |of: &TargetSummary| {
+        let line = format!("{:width$}  {}", of.target, of.title);
+        if line.chars().count() <= 80 { line + "\n" } else { line.chars().take(77).collect::<String>() + "...\n" }
+    };
+    let lines: String = targets.iter().map(line).collect();
+    lines + "`abbe targets NAME` tells mechanism, limits and how sure the facts are.\n"
 }
 
 fn csv(targets: &[TargetSummary]) -> String {

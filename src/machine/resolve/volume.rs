@@ -8,9 +8,6 @@ use crate::machine::{Axis, AxisKind, Grid, Travel};
 use crate::syntax::{Keys, Scalar, VolumeAxis, below, keys};
 use crate::units::{self, Dimension};
 
-/// Default steps (mm, deg).
-const LINEAR_STEP: f64 = 25.0;
-const ROTARY_STEP: f64 = 15.0;
 const NODES: f64 = 1e6;
 
 struct Steps {
@@ -36,7 +33,7 @@ pub fn volume(context: &mut Context, axes: &[Axis], declared: &[AxisDraft]) -> O
 
 /// `step: 25 mm` is for the linear axes, `step: 15 deg` for the rotary ones.
 fn global(context: &mut Context) -> Steps {
-    let mut steps = Steps { linear: LINEAR_STEP, rotary: ROTARY_STEP };
+    let mut steps = Steps { linear: AxisKind::Linear.default_step(), rotary: AxisKind::Rotary.default_step() };
     if let Some(VolumeAxis::Step(scalar)) = context.document.volume.get("step") {
         let at = keys(["volume", "step"]);
         let is_angle = |text: &str| units::quantity(text).is_ok_and(|q| q.dimension == Dimension::ANGLE);
