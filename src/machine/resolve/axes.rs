@@ -1,8 +1,8 @@
 //! Axes: kind, direction, origin, travel, and what holds of them on one side of the bed.
 
+use super::beyond::Beyond;
 use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, block_key, position};
-use super::short::Beyond;
 use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
 use crate::syntax::{AxisEntry, ControllerEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
@@ -140,7 +140,8 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
     });
     let controller = controller(context, &name, entry, &at);
     let home = kind.zip(entry.home.as_ref()).and_then(|(kind, written)| home(context, kind, written, travel, &at));
-    let beyond = Beyond::read(context, entry.beyond.as_ref(), &below(&at, "beyond"));
+    let beyond =
+        entry.beyond.as_ref().and_then(|word| context.choice::<Beyond>(word, &below(&at, "beyond"), &Beyond::WORDS));
     Some(AxisDraft { kind, sense, controller, home, beyond, plain, on_tool, on_workpiece, ..unknown })
 }
 

@@ -1,6 +1,6 @@
 //! The context of every pass of resolution: document, files and diagnostics.
 
-use super::short::ShortCurve;
+use super::beyond::ShortCurve;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, shown};
 use crate::syntax::{CsvTable, Document, Files, Keys, below, read_table};
 use std::collections::BTreeMap;

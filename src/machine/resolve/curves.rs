@@ -1,9 +1,10 @@
 //! Every form of an error curve.
 
 use super::axes::AxisDraft;
+use super::beyond::Beyond;
 use super::context::Context;
 use super::names::{in_other_letters, readings};
-use super::short::{Beyond, beyond};
+use super::short::beyond;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
 use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below};
@@ -69,7 +70,8 @@ pub struct Between {
 }
 
 fn between(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<Between> {
-    let beyond = Beyond::read(context, entry.beyond.as_ref(), &below(at, "beyond"));
+    let beyond =
+        entry.beyond.as_ref().and_then(|word| context.choice::<Beyond>(word, &below(at, "beyond"), &Beyond::WORDS));
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(Between { cubic: false, beyond }),
         Some("cubic") => Some(Between { cubic: true, beyond }),
@@ -218,7 +220,8 @@ fn bspline(context: &mut Context, of: &CurveOf<'_>, entry: &BSplineEntry, at: &K
     let place = |at: &Keys| context.document.places.value(at);
     match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
         Ok(spline) => {
-            let _ = beyond(context, of, spline.breaks(), place(&at_knots), Some(Beyond::Refuse))?;
+            let _ =
+                beyond(context, (of.error, of.kind, of.axis), spline.breaks(), place(&at_knots), Some(Beyond::Refuse))?;
             Some(Curve::BSpline(Box::new(spline)))
         }
         Err(failure) => {
@@ -399,7 +402,7 @@ fn knots(
     let pairs = snap(pairs, of.axis.travel);
     match Knots::new(&pairs, period) {
         Ok(knots) => {
-            let beyond = beyond(context, of, &knots, place, between.beyond)?;
+            let beyond = beyond(context, (of.error, of.kind, of.axis), &knots, place, between.beyond)?;
             let curve = if between.cubic { Curve::cubic(knots) } else { Curve::Linear(knots) };
             let on = ends(of.axis.travel).filter(|_| beyond == Beyond::Slope);
             Some(on.and_then(|(min, max)| curve.continued(min, max)).unwrap_or(curve))

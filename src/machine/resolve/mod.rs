@@ -2,6 +2,7 @@
 //! is made only if none has refused anything.
 
 mod axes;
+mod beyond;
 mod chain;
 mod circles;
 mod context;

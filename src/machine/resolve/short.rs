@@ -1,11 +1,10 @@
 //! Curves that stop short of the travel: the last value holds beyond, or the last slope goes on.
 
+use super::axes::AxisDraft;
+use super::beyond::{Beyond, ShortCurve};
 use super::context::Context;
-use super::curves::CurveOf;
-use super::errors::unit;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, AxisName, ErrorId, Knots, Travel};
-use crate::syntax::Keys;
 use crate::units::significant;
 use std::collections::BTreeMap;
 
@@ -16,60 +15,30 @@ const MOST_BEYOND: f64 = 0.1;
 /// Rounding of that part.
 const ROUNDING: f64 = 1e-9;
 
-/// The course of a curve beyond its points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Beyond {
-    /// The last value holds.
-    Hold,
-    /// The last slope goes on.
-    Slope,
-    /// The curve is refused.
-    Refuse,
-}
-
-impl Beyond {
-    /// Reads the key `beyond` of an axis or a curve.
-    pub fn read(context: &mut Context, word: Option<&String>, at: &Keys) -> Option<Self> {
-        context.choice(word?, at, &["hold", "slope", "refuse"])
-    }
-}
-
-/// A curve that goes on beyond its points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShortCurve {
-    error: ErrorId,
-    kind: AxisKind,
-    /// First and last point (mm, deg).
-    measured: (f64, f64),
-    travel: (f64, f64),
-    beyond: Beyond,
-    /// True if the file says so.
-    is_stated: bool,
-    place: Option<Place>,
-    travel_place: Option<Place>,
+fn unit(kind: AxisKind) -> &'static str {
+    if kind == AxisKind::Linear { "mm" } else { "deg" }
 }
 
 /// Returns the course of a curve beyond its points, notes it if there is anything beyond, and refuses a curve that
 /// leaves too much of the travel.
 pub fn beyond(
     context: &mut Context,
-    of: &CurveOf<'_>,
+    (error, kind, axis): (&ErrorId, AxisKind, &AxisDraft),
     knots: &Knots,
     place: Option<Place>,
     stated: Option<Beyond>,
 ) -> Option<Beyond> {
-    let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(Beyond::Hold) };
+    let Some(Travel::Range(min, max)) = axis.travel else { return Some(Beyond::Hold) };
     let measured = (*knots.positions().first()?, *knots.positions().last()?);
     let (first, last) = measured;
     if first <= min && last >= max {
         return Some(Beyond::Hold);
     }
-    let stated = stated.or(of.axis.beyond);
+    let stated = stated.or(axis.beyond);
     let (beyond, most) = (stated.unwrap_or(Beyond::Hold), MOST_BEYOND * (last - first));
-    let travel_place = context.document.places.value(&of.axis.travel_entry());
+    let travel_place = context.document.places.value(&axis.travel_entry());
     if beyond != Beyond::Refuse && (first - min).max(max - last) <= most * (1.0 + ROUNDING) {
-        let (error, kind, travel) = (of.error.clone(), of.kind, (min, max));
+        let (error, travel) = (error.clone(), (min, max));
         let is_stated = stated.is_some();
         let short = ShortCurve { error, kind, measured, travel, beyond, is_stated, place, travel_place };
         if !context.short.contains(&short) {
@@ -77,10 +46,10 @@ pub fn beyond(
         }
         return Some(beyond);
     }
-    let unit = unit(of.kind);
+    let unit = unit(kind);
     let message = format!(
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
-        of.error, of.error.axis
+        error, error.axis
     );
     let help = if beyond == Beyond::Refuse {
         "measure the rest or shorten the travel; nothing is extrapolated".to_owned()
