@@ -302,8 +302,8 @@ pub fn largest_stated(direction: Direction) -> f64 {
     if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
 }
 
-/// Returns the size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
-/// errors.
+/// Returns the size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has
+/// such errors.
 pub fn plausible_size(request: Option<&IdentifyEntry>, direction: Direction) -> f64 {
     let given = request.and_then(|request| request.plausible.as_ref()).and_then(|plausible| {
         let scalar = if direction.is_rotation() { &plausible.angle } else { &plausible.length };
