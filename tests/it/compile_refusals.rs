@@ -66,12 +66,12 @@ fn stale_files_of_ours_go_and_edited_ones_stay() {
         if edited {
             std::fs::write(out.join("joint_3_A.comp"), "0 0 0\n").unwrap();
         }
-        compile(&machine(&folder, "machine.yaml", EXX, ""), "linuxcnc", &out, &[]).json();
+        compile(&machine(&folder, "machine.yaml", EXX, ""), "linuxcnc", &out, &["--replace"]).json();
         let ours = ["abbe.lock.json", "compensation.inc", "joint_0_X.comp", "joint_1_Y.comp", "joint_2_Z.comp"];
         let kept: Vec<_> = names(&out).into_iter().filter(|name| !ours.contains(&name.as_str())).collect();
         assert_eq!(kept, if edited { vec!["joint_3_A.comp"] } else { vec![] });
         // Another target in the same folder takes the place of the first.
-        compile(&folder.path("machine.yaml"), "grid-csv", &out, &[]).json();
+        compile(&folder.path("machine.yaml"), "grid-csv", &out, &["--replace"]).json();
         let left: Vec<_> = names(&out).into_iter().filter(|name| name != "joint_3_A.comp").collect();
         assert_eq!(left, ["abbe.lock.json", "corrections.csv"]);
     }
