@@ -4,7 +4,7 @@ import type { Pose } from "../evaluator/types";
 import type { Findings, State } from "../session";
 import { button, make } from "../ui/dom";
 import { deciding } from "./verdict";
-import { counted, difference, figure, pair } from "./number";
+import { difference, figure, pair } from "./number";
 
 type Pick = (of: Findings) => number | undefined;
 
@@ -51,9 +51,7 @@ export class StatisticsTable {
     if (worst) this.worst = worst.axes;
     if (!now?.map || !deciding(now)) return this.parent.replaceChildren();
     const rows = (now.map.from ? BOUNDED : MEASURED).flatMap((row) => this.row(row, now, kept));
-    const words = `Of ${counted(now.map.poses)} random poses in the volume`;
-    const caption = now.map.from ? [] : [make("caption", { class: "words" }, words)];
-    const table = make("table", {}, ...caption, make("tbody", {}, ...rows));
+    const table = make("table", {}, make("tbody", {}, ...rows));
     this.parent.classList.toggle("stale", state.stale);
     this.parent.replaceChildren(table);
   }
