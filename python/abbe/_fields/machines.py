@@ -111,6 +111,7 @@ class AxisSummary(Record):
     origin: Annotated[list[float], "Point about which angular errors turn, in machine coordinates at the zero pose, mm."]
     continuous: Annotated[bool, "True if the axis turns without end."]
     travel: Annotated[list[float], "Limits in ``unit``; 0 and 360 for a continuous axis."]
+    measured: Annotated[Union[list[float], None], "Range in which its curves were measured, in ``unit``, where it is less than the travel."]
     unit: Annotated[str, "``mm`` or ``deg``."]
     arm_mm: Annotated[Arm, "Arms from the point about which angular errors turn to the functional point, and what hangs on them."]
 

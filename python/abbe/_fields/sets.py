@@ -69,6 +69,16 @@ class CertificateStep(Record):
     compensated: Annotated[CertifiedFigures, "With their files."]
 
 
+class CertificateBeyond(Record):
+    """Figures of a certificate where curves were not measured: beyond their points they go on as the machine file says."""
+
+    measured: Annotated[Named[list[float]], "The measured ranges, by axis, mm and deg."]
+    poses: Annotated[int, "Number of poses beyond one of them."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
+    uncompensated: Annotated[CertifiedFigures, "Without the files."]
+    compensated: Annotated[CertifiedFigures, "With the files."]
+
+
 class JobCertificate(Record):
     """Figures of a certificate over a job, without what the set-up of the part takes out."""
 
@@ -172,6 +182,7 @@ class CertificateFields(Record):
     straight: Annotated[Union[CertifiedFigures, None], "Figures with straight lines between points, where the control has them as an option; ``compensated`` is then with steps, in the worst place of each section."]
     programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
+    beyond_measured: Annotated[Union[CertificateBeyond, None], "The figures beyond the measured ranges, over which the others are, where these are less than the volume."]
     job: Annotated[Union[JobCertificate, None], "The figures over a job, if one was given."]
     uncertainty: Annotated[Union[CertificateBands, None], "Intervals of the figures, where the machine file states uncertainties of errors."]
     second: Annotated[Union[SecondMeasurement, None], "The verdict of a second measurement, with the set in force, if there was one."]

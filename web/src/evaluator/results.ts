@@ -64,6 +64,8 @@ export interface AxisSummary {
   continuous: boolean;
   /** Limits in `unit`; 0 and 360 for a continuous axis. */
   travel: [number, number];
+  /** Range in which its curves were measured, in `unit`, where it is less than the travel. */
+  measured?: [number, number] | null;
   /** `mm` or `deg`. */
   unit: string;
   /** Arms from the point about which angular errors turn to the functional point, and what hangs on them. */
