@@ -68,10 +68,17 @@ pub fn check<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>, run: Run) -> Ve
 
 fn one(path: &Path, run: Run) -> CheckedFile {
     let file = path.display().to_string();
-    match load(path, &LoadOptions::default(), run) {
-        Ok(answer) => with_job(file, answer, run),
+    // Warnings are denied once all of them are there.
+    let warned = Run { deny_warnings: false, ..run };
+    let mut checked = match load(path, &LoadOptions::default(), warned) {
+        Ok(answer) => with_job(file, answer, warned),
         Err(diagnostics) => CheckedFile { file, machine: None, diagnostics },
+    };
+    if run.deny_warnings && checked.diagnostics.warnings() > 0 {
+        checked.diagnostics.deny_warnings();
+        checked.machine = None;
     }
+    checked
 }
 
 /// Returns a checked file with what is wrong with the job that it states.

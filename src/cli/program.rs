@@ -70,7 +70,7 @@ pub(super) enum Verb {
     Diff(diff::Args),
     /// A test piece of a standard as a job: tool poses, features and tolerances.
     Testpiece(testpiece::Args),
-    /// The controllers, one a line; of one its mechanisms, limits, and how sure its facts are.
+    /// The controllers, one a line; of one its mechanisms and limits.
     Targets(targets::Args),
     /// The long text of a code, an error name or a target.
     Explain(explain::Args),

@@ -302,6 +302,8 @@ pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
 /// Misfit of a run to the others over that after a change of unit or sign. The factors are 2 and more apart: a run of
 /// the right unit fits the worse.
 pub const MIN_UNIT_RATIO: f64 = 2.5;
+/// The same from which a run is not of the same quantity, or not measured: no loose mount scatters as much.
+pub const MIN_OTHER_RUN_RATIO: f64 = 100.0;
 /// Slope of such a run on the curve of the others over its 95 % uncertainty (Student). Below: any factor below 1 fits
 /// readings that only scatter.
 pub const MIN_UNIT_SLOPE: f64 = 3.0;

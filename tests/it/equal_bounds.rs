@@ -36,7 +36,7 @@ fn the_errors_that_act_are_counted() {
     let folder = Folder::new("coverage");
     let coverage = |rest: &str| {
         let path = folder.with("m.yaml", &format!("{HEAD}{rest}"));
-        json(&["check", text(&path), "--format", "json"])["coverage"].clone()
+        json(&["check", text(&path), "--quiet", "--format", "json"])["coverage"].clone()
     };
     // Six of each of three axes, and three squarenesses: ISO 230-1.
     let none = coverage("");

@@ -128,7 +128,7 @@ fn files_without_points_of_linear_axes_hold_all_of_their_errors() {
 fn the_poses_of_single_errors_are_stated() {
     let folder = Folder::new();
     let poses = |machine: &Path, target: &str, count: &str| {
-        let json = compile(machine, target, &folder.path(target), &["--poses", count]).json();
+        let json = compile(machine, target, &folder.path(target), &["--poses", count, "--replace"]).json();
         json["single_error_poses"].as_u64().unwrap()
     };
     let machine = with_points(&folder);

@@ -217,7 +217,7 @@ pub fn longer(sample: &Sample) -> Sample {
 pub fn compiled(folder: &Folder, text: &str, target: &str) -> (PathBuf, PathBuf, serde_json::Value) {
     let machine = folder.write("machine.yaml", text);
     let out = folder.path(target);
-    let json = compile(&machine, target, &out, &ACCEPT).json();
+    let json = compile(&machine, target, &out, &[&ACCEPT[..], &["--replace"]].concat()).json();
     (machine, out, json)
 }
 

@@ -7,8 +7,8 @@ use crate::diagnostic::Place;
 use crate::identify::data::import::sample::Import;
 use crate::identify::thresholds::{
     MAX_JUDGED_PASSES, MAX_OUTLIER_SHARE, MAX_OUTLIER_SIGMA, MIN_DRIFT_DETERMINATION, MIN_DRIFT_MM, MIN_DRIFT_SIGMA,
-    MIN_EXCHANGE_SHARE, MIN_EXCHANGE_SIGMA, MIN_HARM_MM, MIN_JUDGED_TARGETS, MIN_REPEATED_READINGS, MIN_UNIT_RATIO,
-    MIN_UNIT_SLOPE,
+    MIN_EXCHANGE_SHARE, MIN_EXCHANGE_SIGMA, MIN_HARM_MM, MIN_JUDGED_TARGETS, MIN_OTHER_RUN_RATIO,
+    MIN_REPEATED_READINGS, MIN_UNIT_RATIO, MIN_UNIT_SLOPE,
 };
 use crate::standards::Coverage;
 use crate::syntax::ColumnDirection::{Forward, Reverse};
@@ -113,7 +113,10 @@ impl<'a> Runs<'a> {
         let (best, factor, why) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
         // The run must follow the curve of the others: the slope of one on the other in its standard deviations.
         let followed = profile * libm::sqrt(pairs.len() as f64);
-        let by_chance = MIN_UNIT_SLOPE * Coverage::default().reach(pairs.len() as f64 - 2.0) * best;
+        // One that is off beyond all scatter is refused in either case.
+        let is_other = unscaled > MIN_OTHER_RUN_RATIO * best;
+        let by_chance =
+            if is_other { 1.0 } else { MIN_UNIT_SLOPE } * Coverage::default().reach(pairs.len() as f64 - 2.0) * best;
         if unscaled < self.least(MIN_HARM_MM).max(MIN_UNIT_RATIO * best) || followed < by_chance {
             return None;
         }
