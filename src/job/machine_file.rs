@@ -21,7 +21,7 @@ pub struct MachineFile {
     pub(crate) is_tool_asked: bool,
     /// True if a travel is written in inches.
     pub(crate) in_inches: bool,
-    /// What `check` asks about its geometry.
+    /// Questions of `check` about its geometry.
     pub(crate) questions: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,

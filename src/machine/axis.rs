@@ -14,6 +14,14 @@ pub enum AxisKind {
 }
 
 impl AxisKind {
+    /// Returns the unit of positions.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Linear => "mm",
+            Self::Rotary => "deg",
+        }
+    }
+
     /// Returns the step (mm, deg) of maps and tables of a file that states none.
     pub fn default_step(self) -> f64 {
         match self {
@@ -94,6 +102,6 @@ impl Axis {
 
     /// Returns the unit of its positions.
     pub fn unit(&self) -> &'static str {
-        if self.kind == AxisKind::Linear { "mm" } else { "deg" }
+        self.kind.unit()
     }
 }

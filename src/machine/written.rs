@@ -343,7 +343,7 @@ fn term(term: &ErrorTerm, direction: Direction, axis: Option<&Axis>) -> String {
 
 fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
     let kind = axis.map_or(AxisKind::Linear, |axis| axis.kind);
-    let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+    let unit = kind.unit();
     match curve {
         Curve::Polynomial(c) => {
             let terms: Vec<String> = c.iter().enumerate().map(|(k, c)| coefficient(*c, direction, kind, k)).collect();

@@ -346,7 +346,7 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
     }
 
-    /// What others write while the bytes go to the disk is not lost.
+    /// A file that others write while the bytes go to the disk is not lost.
     #[test]
     fn a_file_that_others_wrote_meanwhile_stays() {
         let folder = Folder::new("meanwhile");

@@ -140,8 +140,7 @@ fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<
     });
     let controller = controller(context, &name, entry, &at);
     let home = kind.zip(entry.home.as_ref()).and_then(|(kind, written)| home(context, kind, written, travel, &at));
-    let beyond =
-        entry.beyond.as_ref().and_then(|word| context.choice::<Beyond>(word, &below(&at, "beyond"), &Beyond::WORDS));
+    let beyond = context.beyond(entry.beyond.as_ref(), &at);
     Some(AxisDraft { kind, sense, controller, home, beyond, plain, on_tool, on_workpiece, ..unknown })
 }
 
@@ -150,7 +149,7 @@ fn home(context: &mut Context, kind: AxisKind, written: &Scalar, travel: Option<
     let here = below(at, "home");
     let home = context.position(written, kind, &here)?;
     let Some(Travel::Range(min, max)) = travel.filter(|travel| !travel.contains(home)) else { return Some(home) };
-    let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+    let unit = kind.unit();
     let message = format!("`{}` is {home} {unit}, beyond the travel from {min} to {max} {unit}", dotted_path(&here));
     let help = "write the position that the control shows after homing";
     context.at_value(codes::E0403, &here, message, help);
@@ -304,7 +303,7 @@ fn travel(context: &mut Context, name: &AxisName, kind: AxisKind, entry: &Travel
         TravelEntry::Range(list) => {
             let (min, max) = context.interval(list, kind, here)?;
             if max - min < SHORTEST {
-                let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+                let unit = kind.unit();
                 let length = max - min;
                 let message =
                     format!("`{}` is {length:e} {unit} long, less than a step of any control", dotted_path(here));
@@ -319,7 +318,7 @@ fn travel(context: &mut Context, name: &AxisName, kind: AxisKind, entry: &Travel
 impl Context<'_> {
     /// `[min, max]`, rising.
     pub fn interval(&mut self, list: &[Scalar], kind: AxisKind, at: &Keys) -> Option<(f64, f64)> {
-        let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+        let unit = kind.unit();
         let [min, max] = list else {
             let message = format!("`{}` has {} numbers, an interval has two", dotted_path(at), list.len());
             self.at_value(codes::E0403, at, message, format!("write [min, max] in {unit}"));
@@ -338,6 +337,11 @@ impl Context<'_> {
             return None;
         }
         Some((min, max))
+    }
+
+    /// Reads the key `beyond` of the entry at `at`.
+    pub fn beyond(&mut self, word: Option<&String>, at: &Keys) -> Option<Beyond> {
+        self.choice(word?, &below(at, "beyond"), &Beyond::WORDS)
     }
 
     /// Returns a word that stands for a choice.

@@ -2,7 +2,7 @@
 
 use super::axes::AxisDraft;
 use super::context::{Context, dotted_path};
-use super::errors::{once, term, unit};
+use super::errors::{once, term};
 use super::found_errors::Errors;
 use super::joint_names::{JointNames, find_error};
 use super::parts::{SIX, amounts, setup_at};
@@ -123,7 +123,7 @@ fn measured_ranges(
         if let Some((from, to)) =
             axis.travel.map(|travel| travel.interval()).filter(|(from, to)| min < *from || max > *to)
         {
-            let unit = unit(axis.kind?);
+            let unit = axis.kind?.unit();
             let message = format!("`{}` goes beyond the travel from {from} to {to} {unit}", dotted_path(&at));
             context.at_value(codes::E0403, &at, message, "write where the curves were measured, within the travel");
         }

@@ -1,12 +1,12 @@
 //! Every form of an error curve.
 
-use super::axes::AxisDraft;
 use super::beyond::Beyond;
 use super::context::Context;
+use super::curve_of::CurveOf;
 use super::names::{in_other_letters, readings};
 use super::short::beyond;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
+use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, Knots, KnotsFailure, Travel};
 use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below};
 use crate::units::Dimension;
 use std::rc::Rc;
@@ -16,24 +16,6 @@ const ORDERS: usize = 720;
 const POWERS: usize = 20;
 /// Rounding of positions (mm, deg).
 const SLACK: f64 = 1e-9;
-
-/// A curve in the making: of which error, on which axis, with which sign.
-pub struct CurveOf<'a> {
-    pub error: &'a ErrorId,
-    pub axis: &'a AxisDraft,
-    pub kind: AxisKind,
-    pub negated: bool,
-}
-
-impl CurveOf<'_> {
-    fn sign(&self) -> f64 {
-        if self.negated { -1.0 } else { 1.0 }
-    }
-
-    fn continuous(&self) -> bool {
-        self.axis.travel == Some(Travel::Continuous)
-    }
-}
 
 /// Returns a component error from one entry; a table may give it both directions.
 pub fn component(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
@@ -70,8 +52,7 @@ pub struct Between {
 }
 
 fn between(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<Between> {
-    let beyond =
-        entry.beyond.as_ref().and_then(|word| context.choice::<Beyond>(word, &below(at, "beyond"), &Beyond::WORDS));
+    let beyond = context.beyond(entry.beyond.as_ref(), at);
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(Between { cubic: false, beyond }),
         Some("cubic") => Some(Between { cubic: true, beyond }),
@@ -220,8 +201,7 @@ fn bspline(context: &mut Context, of: &CurveOf<'_>, entry: &BSplineEntry, at: &K
     let place = |at: &Keys| context.document.places.value(at);
     match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
         Ok(spline) => {
-            let _ =
-                beyond(context, (of.error, of.kind, of.axis), spline.breaks(), place(&at_knots), Some(Beyond::Refuse))?;
+            let _ = beyond(context, of, spline.breaks(), place(&at_knots), Some(Beyond::Refuse))?;
             Some(Curve::BSpline(Box::new(spline)))
         }
         Err(failure) => {
@@ -402,7 +382,7 @@ fn knots(
     let pairs = snap(pairs, of.axis.travel);
     match Knots::new(&pairs, period) {
         Ok(knots) => {
-            let beyond = beyond(context, (of.error, of.kind, of.axis), &knots, place, between.beyond)?;
+            let beyond = beyond(context, of, &knots, place, between.beyond)?;
             let curve = if between.cubic { Curve::cubic(knots) } else { Curve::Linear(knots) };
             let on = ends(of.axis.travel).filter(|_| beyond == Beyond::Slope);
             Some(on.and_then(|(min, max)| curve.continued(min, max)).unwrap_or(curve))
@@ -447,7 +427,7 @@ fn explain(
 ) -> (String, Option<Place>, &'static str) {
     let ends = pairs.first().zip(pairs.last());
     let (first, last) = ends.map_or(((0.0, 0.0), (0.0, 0.0)), |(a, b)| (*a, *b));
-    let (name, unit) = (of.error, if of.kind == AxisKind::Linear { "mm" } else { "deg" });
+    let (name, unit) = (of.error, of.kind.unit());
     match failure {
         KnotsFailure::Empty => (format!("`{name}` has no points"), None, "write at least one [position, value]"),
         KnotsFailure::NotIncreasing(i) => (

@@ -1,13 +1,14 @@
 //! Error terms: names, their axes, one place each, plausible size.
 
 use super::context::{Context, dotted_path};
-use super::curves::{Between, CurveOf, component, from_table, one_way, refuse_without_points};
+use super::curve_of::CurveOf;
+use super::curves::{Between, component, from_table, one_way, refuse_without_points};
 use super::found_errors::{Errors, bounded};
 use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
 use super::tolerances::{Named, letter, meaning, warn_oblique};
 use crate::diagnostic::{Diagnostic, Place, codes};
-use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm};
+use crate::machine::{AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm};
 use crate::syntax::{ColumnDirection, CurveEntry, FigureEntry, IdentifyEntry, Keys, TermEntry, below, keys};
 use crate::units::{self, Dimension};
 use std::collections::BTreeSet;
@@ -335,9 +336,4 @@ impl Context<'_> {
         self.at_value(codes::E0412, at, message, format!("check the unit; the limit of plausibility is {limit}"));
         false
     }
-}
-
-/// Returns the unit word of an axis kind.
-pub fn unit(kind: AxisKind) -> &'static str {
-    if kind == AxisKind::Linear { "mm" } else { "deg" }
 }

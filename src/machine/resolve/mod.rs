@@ -8,6 +8,7 @@ mod circles;
 mod context;
 mod conventions;
 mod covariance;
+mod curve_of;
 mod curves;
 mod doubles;
 mod errors;

@@ -54,7 +54,7 @@ impl Context<'_> {
     pub fn position(&mut self, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
         let value = self.any_position(scalar, kind, at)?;
         if value.abs() > FARTHEST {
-            let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+            let unit = kind.unit();
             let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted_path(at));
             self.at_value(codes::E0213, at, message, "check the unit; a bare number is in mm or deg");
             return None;

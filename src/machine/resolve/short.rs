@@ -1,10 +1,10 @@
 //! Curves that stop short of the travel: the last value holds beyond, or the last slope goes on.
 
-use super::axes::AxisDraft;
 use super::beyond::{Beyond, ShortCurve};
 use super::context::Context;
+use super::curve_of::CurveOf;
 use crate::diagnostic::{Diagnostic, Place, codes};
-use crate::machine::{AxisKind, AxisName, ErrorId, Knots, Travel};
+use crate::machine::{AxisName, Knots, Travel};
 use crate::units::significant;
 use std::collections::BTreeMap;
 
@@ -15,19 +15,16 @@ const MOST_BEYOND: f64 = 0.1;
 /// Rounding of that part.
 const ROUNDING: f64 = 1e-9;
 
-fn unit(kind: AxisKind) -> &'static str {
-    if kind == AxisKind::Linear { "mm" } else { "deg" }
-}
-
 /// Returns the course of a curve beyond its points, notes it if there is anything beyond, and refuses a curve that
 /// leaves too much of the travel.
 pub fn beyond(
     context: &mut Context,
-    (error, kind, axis): (&ErrorId, AxisKind, &AxisDraft),
+    of: &CurveOf<'_>,
     knots: &Knots,
     place: Option<Place>,
     stated: Option<Beyond>,
 ) -> Option<Beyond> {
+    let &CurveOf { error, kind, axis, .. } = of;
     let Some(Travel::Range(min, max)) = axis.travel else { return Some(Beyond::Hold) };
     let measured = (*knots.positions().first()?, *knots.positions().last()?);
     let (first, last) = measured;
@@ -46,7 +43,7 @@ pub fn beyond(
         }
         return Some(beyond);
     }
-    let unit = unit(kind);
+    let unit = kind.unit();
     let message = format!(
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
         error, error.axis
@@ -82,7 +79,7 @@ pub fn report(context: &mut Context, measured: &mut BTreeMap<AxisName, (f64, f64
         let mut names: Vec<String> =
             all.iter().filter(|other| alike(other, short)).map(|other| format!("`{}`", other.error)).collect();
         names.dedup();
-        let ((first, last), (min, max), unit) = (short.measured, short.travel, unit(short.kind));
+        let ((first, last), (min, max), unit) = (short.measured, short.travel, short.kind.unit());
         let (verb, hold) =
             if names.len() == 1 { ("is", "it holds its last value") } else { ("are", "they hold their last values") };
         let message = format!(

@@ -2,7 +2,6 @@
 
 use super::axes::AxisDraft;
 use super::context::Context;
-use super::errors::unit;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{Axis, AxisKind, Grid, Travel};
 use crate::syntax::{Keys, Scalar, VolumeAxis, below, keys};
@@ -49,7 +48,7 @@ fn global(context: &mut Context) -> Steps {
 fn step(context: &mut Context, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
     let step = context.position(scalar, kind, at)?;
     if step <= 0.0 {
-        context.at_value(codes::E0214, at, format!("a step of {step} {}", unit(kind)), "a step is above zero");
+        context.at_value(codes::E0214, at, format!("a step of {step} {}", kind.unit()), "a step is above zero");
         return None;
     }
     Some(step)
@@ -78,7 +77,7 @@ fn grid(context: &mut Context, axis: &Axis, travel: &Keys, steps: &Steps) -> Opt
     };
     let ((min, max), step) = (interval?, step?);
     if (max - min) / step > NODES {
-        let message = format!("a step of {step} {} makes more than a million nodes", unit(axis.kind));
+        let message = format!("a step of {step} {} makes more than a million nodes", axis.unit());
         context.at_value(codes::E0214, &at, message, "take a larger step");
         return None;
     }
