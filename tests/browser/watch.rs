@@ -21,11 +21,15 @@ impl Drop for Serving {
 
 const MACHINE: &str = "abbe: 1\nmachine: Watched\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 400] }\n  Z: { travel: [0, 300] }\nerrors:\n  EC0Y: 20 urad\n";
 
+/// The page in words, for whoever reads of a failed check.
+const PAGE: &str = "return [document.body.dataset.state, document.activeElement.outerHTML.slice(0, 200), \
+    document.getElementById('problem')?.textContent, document.querySelector('.cm-content')?.innerText];";
+
 /// Waits until a script returns true.
 pub fn wait(browser: &Browser, script: &str) {
     let start = Instant::now();
     while browser.run(script) != true {
-        assert!(start.elapsed() < PATIENCE, "never: {script}");
+        assert!(start.elapsed() < PATIENCE, "never: {script}\n{}\n{:?}", browser.run(PAGE), browser.complaints());
         std::thread::sleep(Duration::from_millis(50));
     }
     println!("  {:.2} s until {script}", start.elapsed().as_secs_f64());

@@ -148,6 +148,7 @@ impl Bench {
         let all = "const all = [...document.querySelectorAll('#panel-errors button')].find((b) => b.textContent.includes('all'));";
         let find = "[...document.querySelectorAll('.error-name')].find((b) => b.textContent === ";
         let _ = self.browser.run(&format!("{all} if (all) all.click(); {find}'{error}').click();"));
+        wait(&self.browser, "return document.activeElement.classList.contains('cm-content');");
     }
 
     /// Presses keys where the cursor is.
@@ -241,6 +242,7 @@ pub fn edits() {
     // Somebody else writes the file: the page does not write over it.
     bench.at_error("EY0C");
     bench.types("1");
+    wait(&bench.browser, "return !document.getElementById('save').disabled;");
     std::fs::write(&bench.file, format!("{original}# by hand\n")).unwrap();
     bench.click("save");
     wait(&bench.browser, "return document.getElementById('problem').textContent.includes('has changed');");
