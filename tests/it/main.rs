@@ -147,3 +147,4 @@ mod values_and_bounds;
 mod vectors;
 mod weighing;
 mod weil;
+mod worst_poses;
