@@ -69,22 +69,31 @@ fn settings(options: &ReportOptions) -> Value {
 /// A machine with the answers to what the page asks of it.
 fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &dyn Files) -> Value {
     let tool = (file.tools().len() > 1).then(|| file.tool().name.clone());
-    let ask = |questions: &[Value]| -> Vec<Value> {
-        let request = json!({"machine": file.path(), "tool": tool, "questions": questions});
+    let ask = |questions: &[Value], over: &Value| -> Vec<Value> {
+        let request = json!({"machine": file.path(), "tool": tool, "questions": questions, "over": over});
         match workbench(&request.to_string(), Run::with(files))["answers"].take() {
             Value::Array(answers) => answers,
             _ => Vec::new(),
         }
     };
-    let questions = questions(options, settings);
-    let answers = ask(&questions);
+    let (mut questions, over) = (questions(options, settings), over(options));
+    let answers = ask(&questions, &over);
     let poses = poses(file, &answers);
-    let deviations = ask(&[json!({"eval": {"poses": poses}})]).pop();
+    let deviations = ask(&[json!({"eval": {"poses": poses}})], &Value::Null).pop();
     let rows = json!({"rows": {"poses": {"listed": poses}, "samples": POSE_SAMPLES}});
-    let rows = bounded_only(file).and_then(|_| ask(&[rows]).pop());
+    let rows = bounded_only(file).and_then(|_| ask(&[rows], &Value::Null).pop());
     let text = file.sources().iter().next().map_or("", |(_, text)| text);
-    let known: Vec<Value> = questions.iter().zip(&answers).map(|(q, a)| json!({"question": q, "answer": a})).collect();
-    json!({"machine": file.path(), "tool": tool, "text": text, "known": known,
+    let known = |questions: &[Value], answers: &[Value], over: &Value| -> Vec<Value> {
+        let pairs = questions.iter().zip(answers);
+        pairs.map(|(question, answer)| json!({"question": question, "answer": answer, "over": over})).collect()
+    };
+    let mut all = known(&questions, &answers, &over);
+    // Beside a job the page shows the volume, too.
+    if file.job.is_some() || job_file(options).is_some() || options.tool_poses.is_some() {
+        questions.retain(|question| ["map", "sources", "budget", "reach"].iter().any(|of| question[of].is_object()));
+        all.extend(known(&questions, &ask(&questions, &Value::Null), &Value::Null));
+    }
+    json!({"machine": file.path(), "tool": tool, "text": text, "known": all,
         "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
 }
 
@@ -100,14 +109,20 @@ fn asked_part(options: &ReportOptions) -> Value {
     Value::Object(reference.into_iter().chain(path).collect())
 }
 
-/// Returns the question about the part, as its panel asks it.
-fn part(options: &ReportOptions, settings: &Value) -> Value {
+/// Returns the part that questions are over, as the page names it.
+fn over(options: &ReportOptions) -> Value {
     let mut part = asked_part(options);
     match (job_file(options), &options.tool_poses) {
         (Some(job), _) => part["job"] = json!(job),
         (None, Some(tool_poses)) => part["tool_poses"] = json!(tool_poses),
         (None, None) => (),
     }
+    part
+}
+
+/// Returns the question about the part, as its panel asks it.
+fn part(options: &ReportOptions, settings: &Value) -> Value {
+    let mut part = over(options);
     part["samples"] = json!(options.samples);
     part["map"] = settings["map"].clone();
     json!({"work": part})

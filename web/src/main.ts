@@ -21,7 +21,6 @@ import {
   type Evaluator,
   type Pose,
   type Store,
-  type Work,
 } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
@@ -78,7 +77,11 @@ class Workbench {
     remove: (list, axis) => this.rebuild(axisRemoved(this.editor.view.state, list, axis)),
   });
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
-  private readonly verdict = new Verdict(byId("verdict"));
+  private readonly verdict = new Verdict(
+    byId("verdict"),
+    () => this.part.work !== null,
+    () => this.session.refresh(),
+  );
   private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
   private readonly panels = {
     answers: make("div"),
@@ -140,18 +143,18 @@ class Workbench {
     this.curve = new AxisCurve(panels.curve, session, move, failed);
     this.tighten = new Tighten(panels.tighten, session, editor, tell, failed);
     const kept = (first: string) => this.beside.take(first);
-    this.variants = new Variants(panels.variants, session, editor, () => this.part.work, kept, tell, failed);
-    const onPart = (work: Work | null) => this.verdict.over(work);
+    this.variants = new Variants(panels.variants, session, editor, kept, tell, failed);
     this.part = new Part(
       panels.part,
       session,
       this.stage,
       (pose) => this.sliders.go(pose),
-      onPart,
+      () => this.verdict.again(),
+      () => session.refresh(),
       tell,
       failed,
-      this.verdict.job,
     );
+    session.over = () => (place().over === "volume" ? null : this.part.named());
     this.control = new Control(panels.control, session, () => this.beside.take(null), tell, failed);
     this.acceptance = new Acceptance(panels.acceptance, session, tell, failed);
     this.tabs = new Tabs(byId("review"), "Review", [
