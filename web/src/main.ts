@@ -45,6 +45,7 @@ import { choices } from "./ui/conflict";
 import { button, byId, make } from "./ui/dom";
 import { download } from "./ui/download";
 import { Tabs } from "./ui/tabs";
+import { Pane } from "./ui/pane";
 import { Problems } from "./ui/problems";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
@@ -131,6 +132,7 @@ class Workbench {
       language: () => this.schema && { schema: this.schema, words: this.session.words },
       explain: (name) => this.cards.of(name),
     });
+    new Pane(byId("file"), (does) => this.editor.wrap(does));
     this.whatif = new WhatIf(byId("whatif"), this.editor);
     this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
     this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session, () => this.beside.view);
@@ -193,6 +195,7 @@ class Workbench {
   private report(report: Report): void {
     this.session.settings = report.settings;
     this.part.stated = report.part;
+    this.variants.begin(report.others);
     if (this.tools.chosen && this.tools.chosen !== report.tool && report.isReadOnly) this.withoutTool(report.tool);
     if (!this.tools.chosen) this.tools.chosen = report.tool;
     byId("note").textContent = report.note;
@@ -461,6 +464,7 @@ class Workbench {
       move({ example: choice.value, pose: "", tool: "" });
       this.problems.clear("save", "tool");
       this.tools.chosen = store instanceof Report ? store.tool : "";
+      if (store instanceof Report) this.variants.begin(store.others);
       void this.open();
     });
     return [choice];

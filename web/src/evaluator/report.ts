@@ -74,6 +74,11 @@ export class Report implements Evaluator, Store {
     return this.start.place.asked;
   }
 
+  /** The machines besides the one that is chosen. */
+  get others(): { machine: string; text: string }[] {
+    return this.start.machines.filter(({ machine }) => machine !== this.chosen);
+  }
+
   /** Name of the tool that the report is about; empty for the first. */
   get tool(): string {
     return this.machine?.tool ?? "";
@@ -105,8 +110,8 @@ export class Report implements Evaluator, Store {
   /** Answers that the page holds, `undefined` for others; none at all if the request is about another text. */
   private known(request: Request): unknown[] | null {
     const machine = this.start.machines.find((of) => of.machine === request.machine);
-    const own = { ...this.start.files, [request.machine]: machine?.text };
-    const isOwn = Object.entries(request.texts).every(([name, text]) => own[name] === text);
+    const own = Object.fromEntries(this.start.machines.map((of) => [of.machine, of.text]));
+    const isOwn = Object.entries(request.texts).every(([name, text]) => (own[name] ?? this.start.files[name]) === text);
     if (!machine || !isOwn || (request.tool ?? machine.tool) !== machine.tool) return null;
     return request.questions.map((question) => answer(machine, question, request.over));
   }
@@ -153,7 +158,7 @@ function policy(): string {
 }
 
 /** Questions whose answer depends on the part that they are over. */
-const SCOPED = /^(map|sources|budget|reach)$/;
+const SCOPED = /^(map|sources|budget|reach|compare)$/;
 
 function answer(machine: ReportMachine, question: Question, over: Request["over"]): unknown {
   const { answer: known, rows, samples } = machine.eval;

@@ -16,7 +16,7 @@ export type Question =
   | { reach: { step_mm?: number } }
   | { work: (Part | StatedPart) & { samples?: number; target?: string; map?: Options } }
   | { place: (Part | StatedPart) & { ranges: string; figure: boolean } }
-  | { compare: { first: string; more: string[]; options: { poses?: number } } }
+  | { compare: { first: string; more: string[]; options: Options } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
   | "numbers"
@@ -85,10 +85,18 @@ export interface Settings {
   map: Options;
   sources: Options;
   budget: Options;
+  compare: Options;
 }
 
 /** The defaults of the verbs. */
-export const DEFAULTS: Settings = { poses: 2000, samples: 1000, map: {}, sources: {}, budget: {} };
+export const DEFAULTS: Settings = {
+  poses: 2000,
+  samples: 1000,
+  map: {},
+  sources: {},
+  budget: {},
+  compare: { poses: 1000 },
+};
 
 /** Others wrote the file that the page would save; `theirs` is its text now, null where it cannot be read. */
 export class Conflict extends Error {

@@ -25,7 +25,7 @@ const FEW = 7;
 
 /** Each error alone where errors are measured; what tightening each tolerance would gain where they are bounded. */
 export function bars(of: Findings): Bar[] {
-  if (of.sources?.errors.length)
+  if (of.sources?.errors.length && !ofMachines(of))
     return ranked(of).map(({ error, words, ...um }) => ({ error, words, um: um[judged(of)], sigma: 0 }));
   return (of.budget?.tighten ?? []).map((entry) => ({
     error: entry.error,
@@ -38,9 +38,13 @@ export function bars(of: Findings): Bar[] {
 /** The figure of an error alone: as the headline, over a job the largest deviation. */
 const judged = (of: Findings): "max_um" | "p95_um" => (isOverJob(of) ? "max_um" : "p95_um");
 
-/** The errors that have values, largest first. */
+/** True where the headline is of drawn machines, bounds beside values: then the values alone do not rank. */
+const ofMachines = (of: Findings): boolean => isOverJob(of) && !!of.map?.bounds_add && of.budget !== null;
+
+/** The errors that have values and make the headline, largest first. */
 function ranked(of: Findings): Source[] {
   const by = judged(of);
+  if (ofMachines(of)) return [];
   return [...(of.sources?.errors ?? [])].sort((a, b) => b[by] - a[by]);
 }
 
@@ -93,14 +97,15 @@ export class Pareto {
   }
 
   private drawn(state: State): void {
-    const isHere = this.here && this.there.length > 0 && state.now?.sources?.errors.length;
+    const isOfValues = !!state.now?.sources?.errors.length && !ofMachines(state.now);
+    const isHere = this.here && this.there.length > 0 && isOfValues;
     const list = isHere ? this.there : state.now ? bars(state.now) : [];
     if (!state.now || !list.length)
       return this.parent.replaceChildren(make("p", { class: "words" }, "No error has a value or a bound."));
     const kept = new Map((state.kept && !isHere ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
     const most = Math.max(...list.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
     const shown = this.whole ? list : list.slice(0, FEW);
-    const measured = state.now.sources?.errors.length;
+    const measured = isOfValues;
     const more =
       list.length > FEW
         ? [button(this.whole ? "Show the largest only" : `Show all ${list.length}`, () => this.toggle())]

@@ -28,6 +28,8 @@ interface Variant {
   /** Its name in tables. */
   name: string;
   text: string;
+  /** Its file, where it has one. */
+  file?: string;
 }
 
 export class Variants {
@@ -82,9 +84,25 @@ export class Variants {
     if (this.list.length === LETTERS.length) this.list.pop();
     const letter = LETTERS[this.list.length] ?? "";
     this.list.push({ name: name ? `${letter}: ${name}` : letter, text });
-    this.kept(this.list[0]?.text ?? "");
-    this.back.disabled = false;
+    this.changed();
     this.compare();
+  }
+
+  private changed(): void {
+    this.kept(this.list[0]?.text ?? "");
+    this.back.disabled = this.list.length === 0;
+  }
+
+  /** Begins with machines that have files. */
+  begin(others: { machine: string; text: string }[]): void {
+    const named = (of: string, i: number) => `${LETTERS[i]}: ${of.replace(/^.*[/\\]/, "")}`;
+    const few = others.slice(0, LETTERS.length);
+    this.list.splice(
+      0,
+      this.list.length,
+      ...few.map((of, i) => ({ name: named(of.machine, i), text: of.text, file: of.machine })),
+    );
+    this.changed();
   }
 
   private restore(): void {
@@ -108,10 +126,11 @@ export class Variants {
 
   private compare(): void {
     void this.asking.do(async () => {
-      const files = this.list.map((_, i) => this.session.beside(file(LETTERS[i] ?? "")));
+      const files = this.list.map((of, i) => of.file ?? this.session.beside(file(LETTERS[i] ?? "")));
       const [first = "", ...more] = files;
       const texts = Object.fromEntries(this.list.map(({ text }, i) => [files[i] ?? "", text]));
-      const [answer] = await this.session.ask([{ compare: { first, more, options: { poses: 1000 } } }], texts);
+      const options = this.session.settings.compare;
+      const [answer] = await this.session.ask([{ compare: { first, more, options } }], texts);
       const found = accepted<Comparison>(answer);
       if (answer === undefined) return;
       const names = [...this.list.map(({ name }) => name), "now"];

@@ -85,7 +85,7 @@ export function deciding(of: Findings): Deciding | null {
 
 /** Of a number of poses of the volume: its corners, and random ones. */
 const STATISTICS: Record<string, (poses: string) => string> = {
-  max: (poses) => `at the worst of ${poses} poses in the volume, with linear axes at their ends`,
+  max: (poses) => `at the worst of ${poses} poses in the volume, and at the same with linear axes at their ends`,
   p95: (poses) => `at 95 % of ${poses} poses in the volume, corners and random ones`,
   rms: (poses) => `in the root mean square over ${poses} poses in the volume, corners and random ones`,
   mean: (poses) => `on average over ${poses} poses in the volume, corners and random ones`,

@@ -23,6 +23,8 @@ export interface Place {
   field: string;
   /** Axis of the curve. */
   along: string;
+  /** The pane of the editor: `folded`, `wrapped`, its width in pixels. */
+  pane: string;
   /** Picture beside the machine. */
   beside: string;
 }
@@ -42,6 +44,7 @@ export function place(): Place {
     field: of("field"),
     along: of("along"),
     beside: of("beside"),
+    pane: of("pane"),
     goal: of("goal"),
   };
 }

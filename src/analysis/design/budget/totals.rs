@@ -144,14 +144,11 @@ fn at_ends(machine: &Machine, pose: &Pose) -> Pose {
 impl Request<'_> {
     /// Returns the poses (mm, deg) at which drawn machines deviate. A deviation by bounded errors is affine in the
     /// positions of linear axes, so that it is longest at their ends: of a volume whose worst pose is searched these
-    /// are the poses with linear axes at ends, and where errors with values act also the poses as they are.
+    /// poses are among them, besides the poses as they are, for values are curves.
     pub fn drawn_poses(&self) -> Vec<Pose> {
-        if !self.searched || self.statistic != Statistic::Max {
-            return self.poses.to_vec();
-        }
-        let has_values = with_acting(self, |field| field.is_some());
-        let ends = self.poses.iter().map(|pose| at_ends(self.machine, pose));
-        ends.chain(self.poses.iter().filter(|_| has_values).cloned()).collect()
+        let is_searched = self.searched && self.statistic == Statistic::Max;
+        let ends = self.poses.iter().filter(|_| is_searched).map(|pose| at_ends(self.machine, pose));
+        self.poses.iter().cloned().chain(ends).collect()
     }
 }
 
