@@ -386,6 +386,18 @@ pub fn scope() {
             false => bench.command("map", &["--random", "2000"])["position_um"]["p95"].clone(),
         };
         assert_eq!(Some(bench.figure("p95")), volume.as_f64());
+        // The pane of the editor wraps, widens by the keys, folds, and stays so.
+        bench.click("wrap-editor");
+        assert_eq!(bench.browser.run("return document.querySelectorAll('.cm-lineWrapping').length;"), 1);
+        let [.., width, _] = frame(&bench, "#file");
+        let _ = bench.browser.run("document.getElementById('editor-edge').focus();");
+        bench.browser.press(&[RIGHT, RIGHT]);
+        assert_eq!(frame(&bench, "#file")[2], width + 80.0);
+        bench.click("fold-editor");
+        assert!(frame(&bench, "#file")[2] < 60.0);
+        assert_eq!(bench.browser.run("return document.getElementById('editor').checkVisibility();"), false);
+        let kept = bench.browser.run("return location.hash;");
+        assert!(kept.as_str().unwrap().contains("pane=folded%2Cwrapped%2C"), "{kept}");
         bench.quiet();
     }
 }
