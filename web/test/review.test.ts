@@ -197,7 +197,7 @@ test("the limit judges the headline beside it, and tool poses out of reach leave
   assert.equal(verdict(missed, ""), "Open: 1 of 8 tool poses are out of reach");
   assert.equal(verdict(missed, "40"), "Open: 1 of 8 tool poses are out of reach");
   const unknown = on({}, { limit: { ...own, held: null } });
-  assert.ok(unknown && verdict(unknown, "").startsWith("Open: errors with neither value nor bound"));
+  assert.ok(unknown && verdict(unknown, "").startsWith("Open: errors without value or bound"));
   const bare = on({}, {});
   assert.ok(bare && bare.band === null && verdict(bare, "") === "");
   assert.equal(scopeOf({ ...OVER, reached: 7 }), "over the job: 7 of 8 tool poses, zero");

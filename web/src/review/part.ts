@@ -28,7 +28,7 @@ const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700
 
 /** References of the part, in words. */
 const REFERENCES = {
-  "": "As the job states, or else zero at the part's origin",
+  "": "As the job states, else zero",
   machine: "Machine coordinates",
   zero: "Zero at the part's origin",
   "best-fit": "Best fit",

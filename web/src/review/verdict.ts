@@ -231,7 +231,7 @@ export function verdict(of: Deciding, typed: string): string {
   if (own && limit === own.um) {
     if (own.held === false) return fails;
     if (own.held === null && high <= limit)
-      return `Open: ${of.undecided ?? "errors with neither value nor bound could turn it"}`;
+      return `Open: ${of.undecided ?? "errors without value or bound, or left out, could turn it"}`;
   }
   if (low > limit) return fails;
   if (high > limit) return "Open: the limit lies within the band";
