@@ -4,6 +4,7 @@ use super::identify::{json, run};
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use serde_json::Value;
+use std::path::Path;
 
 /// A squareness of 2 mrad makes visible, through products, the rotation of Y about itself, which to first order does
 /// nothing: Y goes along (0, 1, 0) + e x (0, 1, 0) + e x (e x (0, 1, 0)) / 2, and the last is e_b e_c / 2 in Z.
@@ -134,19 +135,38 @@ fn what_a_sentence_of_the_null_space_names_changes_nothing() {
     }
 }
 
-/// The tool point of this robot lies almost on its last axis: nothing shows how that axis is tilted.
+/// The tool point of this robot lies almost on its last axis: nothing shows how that axis is tilted. As the maker has
+/// it the robot is off by 2.6 mm, and its last axis is as uncertain as that lets expect: the predictions hold. Off by
+/// centimetres as it starts, what is expected is no value.
 #[test]
 fn values_that_are_noise_are_not_written() {
     let folder = Folder::new();
-    let (machine, data) = ("configs/robots/ur5.yaml", "tests/data/ur5/extract.csv");
+    let (nominal, data) = ("configs/robots/ur5.yaml", "tests/data/ur5/extract.csv");
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(nominal)).unwrap();
+    let start = "tool], plausible: { length: 60 mm, angle: 200 mrad } }\nerrors: { EX0J3: 12 mm }";
+    let machine = folder.write("off.yaml", &text.replace("tool] }", start));
     let out = folder.path("fitted.yaml");
-    let arguments = ["identify", machine, "--data", data, "--fit", "location,tool", "--out", out.to_str().unwrap()];
+    let mut arguments = ["identify", nominal, "--data", data, "--fit", "location,tool"];
+    let output = run(&[&arguments[..], &["--out", out.to_str().unwrap(), "--format", "json"]].concat());
+    assert!(output.status.success() && out.exists(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let plausible = 3.0 * report["rms_um"]["before"].as_f64().unwrap();
+    for name in ["EX0J6", "EZ0J6"] {
+        let list = report["parameters"].as_array().unwrap();
+        let sigma = list.iter().find(|p| p["name"] == name).unwrap()["sigma"].as_f64().unwrap();
+        assert!(sigma > 1e3 && sigma < plausible, "{name}: {sigma} {plausible}");
+    }
+    let prediction = &report["prediction"];
+    assert!(prediction["largest_um"].as_f64().unwrap() < 0.2 * prediction["deviation_um"].as_f64().unwrap());
+    std::fs::remove_file(&out).unwrap();
+    arguments[1] = machine.to_str().unwrap();
+    let arguments = [&arguments[..], &["--out", out.to_str().unwrap()]].concat();
     let output = run(&arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(1) && !out.exists(), "{said}");
-    assert!(["E0513", "EA0J6", "EZ0J6", "--accept undetermined"].iter().all(|word| said.contains(word)), "{said}");
+    assert!(["E0513", "EZ0J6", "--accept undetermined"].iter().all(|word| said.contains(word)), "{said}");
     let refusal = said.split("E0513").nth(1).unwrap().to_owned();
-    assert!(!refusal.contains("EA0J1") && refusal.contains("EX0J6 = -460 \u{b1} "), "{refusal}");
+    assert!(!refusal.contains("EA0J1") && refusal.contains("EZ0J6 = ") && refusal.contains(" \u{b1} "), "{refusal}");
     let output = run(&[&arguments[..], &["--accept-undetermined"]].concat());
     assert!(output.status.success() && out.exists(), "{}", String::from_utf8_lossy(&output.stderr));
     std::fs::remove_file(&out).unwrap();
