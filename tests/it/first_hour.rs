@@ -83,7 +83,7 @@ fn questions_make_files_that_check_is_silent_about() {
 
 #[test]
 fn a_list_names_every_machine_class_and_control() {
-    let list = abbe(&["init", "--from"]);
+    let list = narrow(&["init", "--from"]);
     assert!(list.lines().all(|line| line.chars().count() <= 80), "{list}");
     let words: BTreeSet<&str> = list.split_whitespace().collect();
     let (mut folders, mut names) = (vec![super::configs::folder()], Vec::new());
@@ -358,6 +358,13 @@ fn the_zero_pose_is_drawn_to_scale() {
     }
 }
 
+/// Standard output as a person sees it.
+fn narrow(arguments: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
+    let output = command.args(arguments).arg("--quiet").current_dir(super::configs::folder()).output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
 /// Codes and messages of the warnings of a run; none if it is refused.
 fn warnings(arguments: &[&str]) -> Option<BTreeSet<(String, String)>> {
     let output = super::program::abbe_on(2, &[arguments, &["--format", "json"]].concat());
@@ -437,8 +444,7 @@ fn text_keeps_to_80_columns_and_tables_to_100() {
     }
     let mut printed = 0;
     for run in &runs {
-        let output = super::program::abbe_on(2, &[&run[..], &["--quiet"]].concat());
-        let said = String::from_utf8(output.stdout).unwrap();
+        let said = narrow(run);
         printed += usize::from(!said.is_empty());
         for line in said.lines() {
             let most = if line.starts_with('|') { 100 } else { 80 };
@@ -446,27 +452,17 @@ fn text_keeps_to_80_columns_and_tables_to_100() {
         }
     }
     assert!(printed > 35, "{printed} of {}", runs.len());
-    let wide = abbe(&["show", "trunnion.yaml", "--wide"]);
+    let wide = abbe(&["show", "trunnion.yaml"]);
     assert!(wide.lines().any(|line| line.chars().count() > 100));
     let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let narrow = abbe(&["eval", "trunnion.yaml", "--sensitivity"]);
-    assert_eq!(joined(&narrow), joined(&abbe(&["eval", "trunnion.yaml", "--sensitivity", "--wide"])));
+    let folded = narrow(&["eval", "trunnion.yaml", "--sensitivity"]);
+    assert_eq!(joined(&folded), joined(&abbe(&["eval", "trunnion.yaml", "--sensitivity"])));
 }
 
 #[test]
 fn a_comparison_begins_with_what_it_decides() {
-    let said = abbe(&[
-        "compare",
-        "trunnion.yaml",
-        "tt-ac-800.yaml",
-        "--class",
-        "production",
-        "--poses",
-        "20",
-        "--samples",
-        "50",
-        "--quiet",
-    ]);
+    let work = ["--class", "production", "--poses", "20", "--samples", "50"];
+    let said = narrow(&[&["compare", "trunnion.yaml", "tt-ac-800.yaml"], &work[..]].concat());
     let first: Vec<&str> = said.lines().take(4).map(str::trim).collect();
     let head = first.join(" ");
     assert!(first[0].starts_with("Machine 2 against 1:"), "{said}");
@@ -485,7 +481,7 @@ fn words_of_the_glossary_are_explained() {
         page.split("\n## ").skip(1).map(|entry| entry.split_once("\n\n").unwrap()).collect();
     assert!(entries.len() > 10 && entries.iter().filter(|(_, text)| text.contains("```text")).count() >= 6);
     for (heading, text) in &entries {
-        let said = abbe(&["explain", heading, "--wide"]);
+        let said = abbe(&["explain", heading]);
         assert!(said.starts_with(heading) && said.contains(text.trim()), "{heading}: {said}");
     }
     for (word, heading) in

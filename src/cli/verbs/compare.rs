@@ -215,7 +215,7 @@ fn verdicts(result: &CompareResult) -> String {
             (Some(known), _) => format!("Machine {machine} against 1: {}; {by}{over}.", known.words()),
             (None, reason) => {
                 let reason = reason.as_deref().unwrap_or_default();
-                format!("Machine {machine} against 1: no verdict{over}: {reason}.")
+                format!("Machine {machine} against 1: no verdict: {reason}{over}.")
             }
         })
     };
