@@ -4,6 +4,7 @@ use super::bounded::{AddingBounds, DrawnBounds};
 use super::map_bounds;
 use super::map_result::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose};
 use super::map_tables::{MapTable, Tables};
+use crate::analysis::budget::Percentile;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::{
     self, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
@@ -138,10 +139,10 @@ fn volume(
     let work = tool_poses.as_ref().map(WorkRows::of);
     let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
-        Some(_) => Some(found(call, bare, &rows, Vec::new(), parts, 0)?.statistics),
+        Some(_) => Some(found(call, bare, &rows, Vec::new(), parts, 0)?.0.statistics),
         None => None,
     };
-    let survey = found(call, field, &rows, tables, parts, options.worst)?;
+    let (survey, p95_over_volume) = found(call, field, &rows, tables, parts, options.worst)?;
     let state = if name.is_empty() { String::new() } else { format!("after {name}") };
     let before_field = replayed.is_some().then_some(bare);
     let subject = Subject { field, state: &state, before: before_field };
@@ -183,6 +184,7 @@ fn volume(
         target,
         uncompensated,
         uncertainty,
+        p95_over_volume,
         ..result
     })
 }
@@ -228,7 +230,7 @@ fn too_many(count: usize) -> Diagnostic {
     )
 }
 
-/// Maps a field; the tables are written.
+/// Maps a field; the tables are written. Of random poses that are held the 95 % value over the whole volume is told, too.
 fn found(
     call: &mut Call<'_>,
     field: &dyn Field,
@@ -236,17 +238,22 @@ fn found(
     tables: Vec<MapTable<'_>>,
     parts: &dyn MapParts,
     count: usize,
-) -> Result<Survey, Refused> {
+) -> Result<(Survey, Option<Percentile>), Refused> {
     let (poses, view) = (rows.poses, rows.view);
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
         parts.refuse_other()?;
-        return tables.survey(call, SurveyTask { field, poses, view, worst: count });
+        return Ok((tables.survey(call, SurveyTask { field, poses, view, worst: count })?, None));
     }
     let analysis::Map { deviations, statistics } = analysis::Map::of(parts.deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;
     let worst = worst(&deviations, count).into_iter().map(|i| (i, deviations[i])).collect();
-    Ok(Survey { statistics, worst })
+    let p95 = matches!(poses, Poses::Random(_)).then(|| {
+        let mut lengths: Vec<f64> = deviations.iter().map(|deviation| deviation.position.norm() * 1e3).collect();
+        lengths.sort_by(f64::total_cmp);
+        Percentile::of(&lengths, 95)
+    });
+    Ok((Survey { statistics, worst }, p95))
 }
 
 fn result(rows: &Rows<'_>, over: Over, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {

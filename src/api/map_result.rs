@@ -2,6 +2,7 @@
 
 use super::bounded::AddedByBounds;
 use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::Percentile;
 use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED, spread_places};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
@@ -220,6 +221,10 @@ pub struct MapResult {
     /// Intervals of the statistics, where the machine file states uncertainties of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Bands>,
+    /// The value that 95 % of the whole volume keeps, um, with its interval by the number of random poses; of random
+    /// poses alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p95_over_volume: Option<Percentile>,
     /// The poses beyond the ranges in which the curves of the axes were measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beyond_measured: Option<BeyondMeasured>,
@@ -271,6 +276,7 @@ impl MapResult {
             position_um: statistics.position_um,
             rotation_urad: statistics.rotation_urad,
             uncertainty: None,
+            p95_over_volume: None,
             beyond_measured: BeyondMeasured::of(rows.machine, rows.poses),
             worst: Vec::new(),
             diagonals: Vec::new(),

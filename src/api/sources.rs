@@ -1,13 +1,18 @@
-//! Each error alone over the volume: which of them dominate.
+//! Each error alone over the volume, or over a job: which of them dominate.
 
 use crate::analysis::{ErrorStatistics, MapFailure, View, error_statistics, map, rest};
-use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
+use crate::evaluate::{CompiledField, Field, Frame, Order, Poses, Random, worst};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
+use crate::job::over::Over;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine, Pose};
 use crate::run::{Call, Cancelled, Count, Refused, Reply, Run};
 use crate::syntax::{component_words, location_words};
 use indexmap::IndexMap;
+use std::path::PathBuf;
 
 /// Options of [`sources`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -17,6 +22,16 @@ pub struct SourcesOptions {
     pub poses: usize,
     /// Seed of the poses.
     pub seed: u64,
+    /// A file of tool poses in place of the volume.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file in place of the volume; `none` leaves the job of the machine file out.
+    pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path; by default what the job file says, or else of CL data alone.
+    pub path: Option<bool>,
+    /// Motion that the part's set-up takes out of every effect; by default as of a map. Without a minimum zone, which
+    /// is not linear, but the best fit.
+    #[schemars(with = "Option<ReferenceOption>")]
+    pub reference: Option<Reference>,
     /// Pose of [`ErrorSource::at_um`], mm and deg, in the order of the chain; the worst of the poses by default.
     pub at: Option<Pose>,
     /// Order of all errors together; exact by default, unless the conventions of the machine name an order.
@@ -28,11 +43,17 @@ pub struct SourcesOptions {
 impl SourcesOptions {
     /// Largest number of poses: all errors at all poses are held at once.
     pub const MAX_POSES: usize = 10_000;
+
+    fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
 }
 
 impl Default for SourcesOptions {
     fn default() -> Self {
-        Self { poses: 2000, seed: 1, at: None, order: None, approach: Approach::default() }
+        let (tool_poses, job, path, reference) = (None, None, None, None);
+        let (order, approach) = (None, Approach::default());
+        Self { poses: 2000, seed: 1, tool_poses, job, path, reference, at: None, order, approach }
     }
 }
 
@@ -41,6 +62,8 @@ impl Default for SourcesOptions {
 pub struct ErrorSources {
     /// Name of the machine.
     pub machine: String,
+    /// Poses and reference of the effects.
+    pub over: Over,
     /// Number of poses.
     pub poses: usize,
     /// Seed of the poses.
@@ -68,39 +91,54 @@ pub struct ErrorSource {
     pub at_um: f64,
 }
 
-/// Returns the effect of each error alone over random poses of the volume.
+/// Returns the effect of each error alone over random poses of the volume, or over a job.
 ///
 /// Fails for more than [`SourcesOptions::MAX_POSES`] poses, and for a pose that does not fit the machine. Warns of a
 /// machine of which nothing is measured.
 pub fn sources(file: &MachineFile, options: &SourcesOptions, run: Run) -> Reply<ErrorSources> {
-    Call::answer(run, file.sources(), |call| find(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| find(call, file, options))
+    })
 }
 
-fn find(call: &mut Call, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
+fn find(call: &mut Call, machine: &MachineFile, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
     let SourcesOptions { poses: count, seed, order, approach, .. } = *options;
     call.check_counts(&[Count::Poses(count)])?;
-    if count > SourcesOptions::MAX_POSES {
+    let job = options.job_paths().read(call, machine)?;
+    let reached = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+    let list = match &reached {
+        Some(reached) => Poses::Listed(reached.poses.clone()),
+        None => Poses::Random(Random::of(machine, count, seed)),
+    };
+    if list.len() > SourcesOptions::MAX_POSES {
         return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
     }
     call.extend(bounded_only(machine));
-    let field = CompiledField::new(machine, order_of(machine, order));
-    let volume = Poses::Random(Random::of(machine, count, seed));
-    let view = View { conditions: approach.into(), frame: Frame::Workpiece };
+    let held: Vec<Pose> = list.iter().collect();
+    let set_up = match Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &held)? {
+        zone if zone.reference.is_minimum_zone() => SetUp::best_fit(machine, &held),
+        set_up => set_up,
+    };
+    let (order, view) = (order_of(machine, order), View { conditions: approach.into(), frame: Frame::Workpiece });
+    let compiled = CompiledField::new(machine, order);
+    let referenced = set_up.field(&compiled, order, view.conditions);
+    let field: &dyn Field = referenced.as_ref().map_or(&compiled, |field| field);
     let at = match &options.at {
         Some(at) => poses(call, machine, (&[], std::slice::from_ref(at), None))?.swap_remove(0),
         None => {
-            let all = call.stage("poses", count, |advance| match map(&field, &volume, view, advance) {
+            let all = call.stage("poses", list.len(), |advance| match map(field, &list, view, advance) {
                 Err(MapFailure::Cancelled) => Err(Cancelled),
                 all => Ok(all),
             })?;
             let deviations = all.map(|map| map.deviations).unwrap_or_default();
-            worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
+            worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| list.get(*i))
         }
     };
-    let errors = error_statistics(&field, &volume, &approach.at_pose(&at), None);
+    let errors = error_statistics(field, &list, &approach.at_pose(&at), set_up.removed());
     Ok(ErrorSources {
         machine: machine.name().to_owned(),
-        poses: count,
+        over: Over::work(machine, &set_up.reference, reached.as_ref(), list.len()),
+        poses: list.len(),
         seed,
         at: axis_positions(machine, &at),
         errors: errors.into_iter().map(|of| source(machine, of)).collect(),

@@ -36,7 +36,7 @@ pub const MIN_MONOMIAL_MM: f64 = 1e-12;
 /// as a part of the travel.
 pub const MIN_WHOLE_RANGE_SHARE: f64 = 0.9;
 /// Length that a datum leaves of a free direction of unit length, below which it fixes the direction.
-pub const MIN_FREE_LENGTH: f64 = 1e-2;
+pub const MIN_FREE_LENGTH: f64 = 5e-2;
 /// Part of a rigid motion of the machine beyond the free directions above which it is a free direction of its own.
 pub const MIN_NEW_MOTION_SHARE: f64 = 0.1;
 /// Displacement of a point (mm) by a free direction of unit size (mm) from which the deviation is free, too.
@@ -87,9 +87,10 @@ pub const REPORT_SCATTER_ITERATIONS: usize = 4;
 
 // Prior of the fit.
 
-/// Least standard deviation (mm) of a displacement before the data: 10 mrad of a rotation. Below: true errors of a worn
-/// machine are pulled to the start; above: unseen directions run away.
-pub const MIN_PRIOR_SIGMA_MM: f64 = 3.0;
+/// Least standard deviation (mm) of a displacement before the data: 1 mrad of a rotation. Below: true errors that the
+/// readings hardly show are pulled to the start; above: directions that they hardly show run away, and through products
+/// of errors the others with them.
+pub const MIN_PRIOR_SIGMA_MM: f64 = 0.3;
 /// Plausible size of an error over the RMS of the readings before the fit. An error of the prior's standard deviation
 /// is moved by less than half of its standard uncertainty.
 pub const PLAUSIBLE_OVER_RMS: f64 = 3.0;

@@ -21,6 +21,9 @@ const MAX_POSES: usize = 200;
 /// Number of machines that the page draws for what bounds lead to at a pose.
 const POSE_SAMPLES: usize = 300;
 
+/// Maximum number of machines with which the page compares another.
+const MAX_COMPARED: usize = 6;
+
 /// Returns the content of the element `start` of a page with these machines.
 ///
 /// `job_files` are the names of the files that make the job.
@@ -42,7 +45,11 @@ pub(crate) fn start(
         .fold(MemoryFiles::new(), |memory, (name, text)| memory.with(name.as_str(), text.as_str().unwrap_or_default()));
     let files_of = Overlay { text: memory, files: call.run.files };
     let settings = settings(options);
-    let asked: Vec<Value> = files.iter().map(|file| asked(file, options, &settings, &files_of)).collect();
+    let asked = |file: &MachineFile| {
+        let others = files.iter().map(MachineFile::path).filter(|name| *name != file.path()).take(MAX_COMPARED);
+        asked(file, &others.collect::<Vec<_>>(), options, &settings, &files_of)
+    };
+    let asked: Vec<Value> = files.iter().map(asked).collect();
     let work = job_file(options).or(options.tool_poses.as_ref());
     let place = json!({"work": work, "target": options.targets.first(), "asked": asked_part(options)});
     json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts, "machines": asked, "place": place})
@@ -63,28 +70,43 @@ fn settings(options: &ReportOptions) -> Value {
         "map": with_bounds(json!({"seed": seed, "order": order, "approach": approach})),
         "sources": {"seed": seed, "order": order, "approach": approach},
         "budget": with_bounds(json!({"seed": seed, "poses": poses})),
+        "compare": with_bounds(json!({"seed": seed, "poses": poses, "samples": samples, "max_samples": samples})),
     })
 }
 
 /// A machine with the answers to what the page asks of it.
-fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &dyn Files) -> Value {
+///
+/// `others` are the names of those that it is compared with.
+fn asked(file: &MachineFile, others: &[&str], options: &ReportOptions, settings: &Value, files: &dyn Files) -> Value {
     let tool = (file.tools().len() > 1).then(|| file.tool().name.clone());
-    let ask = |questions: &[Value]| -> Vec<Value> {
-        let request = json!({"machine": file.path(), "tool": tool, "questions": questions});
+    let ask = |questions: &[Value], over: &Value| -> Vec<Value> {
+        let request = json!({"machine": file.path(), "tool": tool, "questions": questions, "over": over});
         match workbench(&request.to_string(), Run::with(files))["answers"].take() {
             Value::Array(answers) => answers,
             _ => Vec::new(),
         }
     };
-    let questions = questions(options, settings);
-    let answers = ask(&questions);
-    let poses = poses(file, &answers);
-    let deviations = ask(&[json!({"eval": {"poses": poses}})]).pop();
+    let (mut questions, over) = (questions(options, settings), over(options));
+    if let [first, more @ ..] = others {
+        questions.push(json!({"compare": {"first": first, "more": more, "options": settings["compare"]}}));
+    }
+    let known = |questions: &[Value], over: &Value| -> Vec<Value> {
+        let pairs = questions.iter().zip(ask(questions, over));
+        pairs.map(|(question, answer)| json!({"question": question, "answer": answer, "over": over})).collect()
+    };
+    let mut all = known(&questions, &over);
+    // Beside a job the page shows the volume, too.
+    if file.job.is_some() || job_file(options).is_some() || options.tool_poses.is_some() {
+        let scoped = ["map", "sources", "budget", "reach", "compare"];
+        questions.retain(|question| scoped.iter().any(|of| question[of].is_object()));
+        all.extend(known(&questions, &Value::Null));
+    }
+    let poses = poses(file, &all);
+    let deviations = ask(&[json!({"eval": {"poses": poses}})], &Value::Null).pop();
     let rows = json!({"rows": {"poses": {"listed": poses}, "samples": POSE_SAMPLES}});
-    let rows = bounded_only(file).and_then(|_| ask(&[rows]).pop());
+    let rows = bounded_only(file).and_then(|_| ask(&[rows], &Value::Null).pop());
     let text = file.sources().iter().next().map_or("", |(_, text)| text);
-    let known: Vec<Value> = questions.iter().zip(&answers).map(|(q, a)| json!({"question": q, "answer": a})).collect();
-    json!({"machine": file.path(), "tool": tool, "text": text, "known": known,
+    json!({"machine": file.path(), "tool": tool, "text": text, "known": all,
         "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
 }
 
@@ -100,14 +122,20 @@ fn asked_part(options: &ReportOptions) -> Value {
     Value::Object(reference.into_iter().chain(path).collect())
 }
 
-/// Returns the question about the part, as its panel asks it.
-fn part(options: &ReportOptions, settings: &Value) -> Value {
+/// Returns the part that questions are over, as the page names it.
+fn over(options: &ReportOptions) -> Value {
     let mut part = asked_part(options);
     match (job_file(options), &options.tool_poses) {
         (Some(job), _) => part["job"] = json!(job),
         (None, Some(tool_poses)) => part["tool_poses"] = json!(tool_poses),
         (None, None) => (),
     }
+    part
+}
+
+/// Returns the question about the part, as its panel asks it.
+fn part(options: &ReportOptions, settings: &Value) -> Value {
+    let mut part = over(options);
     part["samples"] = json!(options.samples);
     part["map"] = settings["map"].clone();
     json!({"work": part})
@@ -145,7 +173,7 @@ fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
 }
 
 /// Poses that the page leads to: zero, the worst of the volume, those of the part.
-fn poses(file: &MachineFile, answers: &[Value]) -> Vec<Vec<f64>> {
+fn poses(file: &MachineFile, known: &[Value]) -> Vec<Vec<f64>> {
     let row = |at: &Value| -> Vec<f64> {
         file.axes().iter().map(|axis| at[axis.name.as_str()].as_f64().unwrap_or_default()).collect()
     };
@@ -154,8 +182,8 @@ fn poses(file: &MachineFile, answers: &[Value]) -> Vec<Vec<f64>> {
         Travel::Continuous => 0.0,
     });
     let mut poses = vec![zero.collect()];
-    let lists = ["/worst", "/bounds/worst", "/rows/poses"];
-    for entry in lists.iter().flat_map(|list| answers.iter().filter_map(|answer| answer.pointer(list)?.as_array())) {
+    let lists = ["/answer/worst", "/answer/bounds/worst", "/answer/rows/poses"];
+    for entry in lists.iter().flat_map(|list| known.iter().filter_map(|of| of.pointer(list)?.as_array())) {
         poses.extend(entry.iter().map(|of| &of["axes"]).filter(|at| at.is_object()).map(row));
     }
     poses.truncate(MAX_POSES);

@@ -41,6 +41,8 @@ pub struct WorkbenchRequest {
     pub texts: BTreeMap<String, String>,
     /// Tool of the machine; the first by default.
     pub tool: Option<String>,
+    /// The part that maps, sources, budgets, reach and comparisons are over; the volume without one.
+    pub over: Option<PartScope>,
     /// The questions, in the order in which they are answered.
     pub questions: Vec<Question>,
 }
@@ -48,6 +50,84 @@ pub struct WorkbenchRequest {
 impl WorkbenchRequest {
     fn load_options(&self) -> LoadOptions {
         LoadOptions { tool: self.tool.clone() }
+    }
+}
+
+/// A part in place of the volume: its file with what is stated of it, or by default the job of the machine file. For a
+/// machine file without one the reference is of the volume.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PartScope {
+    /// The file of tool poses.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file in its place.
+    pub job: Option<PathBuf>,
+    /// Motion that the part's set-up takes out; by default what the job states, or else the zero at the part's origin.
+    pub reference: Option<Reference>,
+    /// True if the tool poses are one continuous path; by default CL data are.
+    pub path: Option<bool>,
+}
+
+impl PartScope {
+    fn map_poses(&self) -> MapPoses {
+        match (&self.job, &self.tool_poses) {
+            (Some(job), _) => MapPoses::Job(job.clone()),
+            (None, Some(tool_poses)) => MapPoses::ToolPoses(tool_poses.clone()),
+            (None, None) => MapPoses::Grid,
+        }
+    }
+
+    /// True if it names no part, and the machine file has none.
+    fn is_absent(&self, machine: &MachineFile) -> bool {
+        self.tool_poses.is_none() && self.job.is_none() && machine.job.is_none()
+    }
+
+    /// Returns a question over this part.
+    fn of(&self, question: &Question) -> Question {
+        let Self { tool_poses, job, reference, path } = self.clone();
+        match question {
+            Question::Map(of) if !matches!(of.poses, MapPoses::Listed(_)) => {
+                Question::Map(MapOptions { poses: self.map_poses(), reference, path, ..of.clone() })
+            }
+            Question::Sources(of) => {
+                Question::Sources(SourcesOptions { tool_poses, job, reference, path, ..of.clone() })
+            }
+            Question::Budget(of) => Question::Budget(BudgetOptions { tool_poses, job, reference, path, ..of.clone() }),
+            Question::Reach(of) => Question::Reach(ReachOptions { tool_poses, job, reference, path, ..of.clone() }),
+            Question::Compare(with) => {
+                let options = CompareOptions { tool_poses, job, reference, path, ..with.options.clone() };
+                Question::Compare(Box::new(CompareWith { options, ..*with.clone() }))
+            }
+            other => other.clone(),
+        }
+    }
+
+    /// Returns a question over the volume with a reference, whatever job the machine file states.
+    fn volume(asked: Option<&Reference>, question: &Question) -> Question {
+        let none = Some(PathBuf::from(NO_JOB));
+        let stated = |own: &Option<Reference>| own.as_ref().or(asked).cloned();
+        match question {
+            Question::Map(of) if !matches!(of.poses, MapPoses::Listed(_)) => {
+                Question::Map(MapOptions { reference: stated(&of.reference), ..of.clone() })
+            }
+            Question::Sources(of) if of.tool_poses.is_none() && of.job.is_none() => {
+                Question::Sources(SourcesOptions { job: none, reference: stated(&of.reference), ..of.clone() })
+            }
+            // The page shows one reference of a volume.
+            Question::Budget(of) if of.tool_poses.is_none() && of.job.is_none() => {
+                let reference = Some(stated(&of.reference).unwrap_or_default());
+                Question::Budget(BudgetOptions { job: none, reference, ..of.clone() })
+            }
+            Question::Reach(of) if of.tool_poses.is_none() && of.job.is_none() => {
+                Question::Reach(ReachOptions { job: none, ..of.clone() })
+            }
+            Question::Compare(with) if with.options.tool_poses.is_none() && with.options.job.is_none() => {
+                let reference = stated(&with.options.reference).or_else(|| Some(Reference::machine_less_unheld()));
+                let options = CompareOptions { job: none, reference, ..with.options.clone() };
+                Question::Compare(Box::new(CompareWith { options, ..*with.clone() }))
+            }
+            other => other.clone(),
+        }
     }
 }
 
@@ -91,16 +171,16 @@ pub enum Question {
     Schema,
 }
 
-/// The other machine of a comparison.
+/// The other machines of a comparison.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompareWith {
     /// Name of its file.
     pub first: String,
+    /// Names of further files, which are compared with the first before this machine is.
+    pub more: Vec<String>,
     /// Options of the comparison.
     pub options: CompareOptions,
-    /// Compares on the job of the first machine file, unless the options name a part.
-    pub own_job: bool,
 }
 
 /// Options of [`Question::Work`].
@@ -111,7 +191,8 @@ pub struct WorkOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file in its place.
     pub job: Option<PathBuf>,
-    /// Motion that the part's set-up takes out of the deviations; by default what the job states, or else nothing.
+    /// Motion that the part's set-up takes out of the deviations; by default what the job states, or else the zero at
+    /// the part's origin.
     pub reference: Option<Reference>,
     /// True if the tool poses are one continuous path; by default CL data are.
     pub path: Option<bool>,
@@ -202,8 +283,12 @@ fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
     let run = Run { files: &files, ..run };
     match load(Path::new(&request.machine), &request.load_options(), run) {
         Ok(Answer { value: machine, warnings }) => {
+            let scoped = |question| match &request.over {
+                Some(part) if !part.is_absent(&machine) => part.of(question),
+                absent => PartScope::volume(absent.as_ref().and_then(|of| of.reference.as_ref()), question),
+            };
             let answers: Vec<Value> =
-                request.questions.iter().map(|question| question.answer(&machine, request, share, run)).collect();
+                request.questions.iter().map(|of| scoped(of).answer(&machine, request, share, run)).collect();
             json!({"diagnostics": warnings.records(), "answers": answers})
         }
         Err(diagnostics) => refusal(&diagnostics),
@@ -228,38 +313,19 @@ impl Question {
             Self::Map(options) => document(map_of_parts(machine, options, share, run)),
             Self::Rows(options) => document(rows(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
-            Self::Budget(options) => document(budget(
-                machine,
-                &BudgetOptions {
-                    job: page_job(&options.job, &options.tool_poses),
-                    reference: page_reference(&options.reference),
-                    ..options.clone()
-                },
-                run,
-            )),
-            Self::Reach(options) => {
-                let options = ReachOptions { job: page_job(&options.job, &options.tool_poses), ..options.clone() };
-                document(reach(machine, &options, run).map(with_reasons))
-            }
+            Self::Budget(options) => document(budget(machine, options, run)),
+            Self::Reach(options) => document(reach(machine, options, run).map(with_reasons)),
             Self::Work(options) if options.is_absent(machine) => Value::Null,
             Self::Work(options) => document(work(machine, options, run)),
             Self::Place(options) => document(placed(machine, options, run)),
-            Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
-                Ok(first) => {
-                    let CompareOptions { job, tool_poses, reference, .. } = &with.options;
-                    let is_own = with.own_job && job.is_none() && tool_poses.is_none();
-                    let is_job = is_own || job.is_some();
-                    let reference = match (is_job, tool_poses) {
-                        (true, _) => reference.clone(),
-                        (false, Some(_)) => page_reference(reference),
-                        (false, None) => reference.clone().or_else(|| Some(Reference::machine_less_unheld())),
-                    };
-                    let job = if is_own { None } else { page_job(job, tool_poses) };
-                    let options = CompareOptions { job, reference, ..with.options.clone() };
-                    document(compare(&[first.value, machine.clone()], &options, run))
+            Self::Compare(with) => {
+                let names = std::iter::once(&with.first).chain(&with.more);
+                let others = names.map(|name| Ok(load(Path::new(name), &request.load_options(), run)?.value));
+                match others.collect::<Result<Vec<MachineFile>, Diagnostics>>() {
+                    Ok(others) => document(compare(&[&others[..], &[machine.clone()]].concat(), &with.options, run)),
+                    Err(diagnostics) => json!(diagnostics),
                 }
-                Err(diagnostics) => json!(diagnostics),
-            },
+            }
             Self::Instrument(options) => document(instrument(machine, options, run)),
             Self::Targets => json!(targets()),
             Self::Numbers => json!(error_numbers(machine)),
@@ -316,23 +382,13 @@ struct WorkRows {
     limit: Option<String>,
 }
 
-/// Returns the reference of a question: machine coordinates unless it states one, for the page does not.
-fn page_reference(asked: &Option<Reference>) -> Option<Reference> {
-    Some(asked.clone().unwrap_or_default())
-}
-
-/// Returns the job of a question: none unless it names one, whatever the machine file states.
-fn page_job(asked: &Option<PathBuf>, tool_poses: &Option<PathBuf>) -> Option<PathBuf> {
-    asked.clone().or_else(|| tool_poses.is_none().then(|| PathBuf::from(NO_JOB)))
-}
-
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
     let WorkOptions { tool_poses, job, samples, target, reference, path, map } = options.clone();
     let paths = JobPaths { job: job.as_deref(), tool_poses: tool_poses.as_deref(), path };
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, paths))?.value;
     let (poses, reference) = match (job, tool_poses) {
         (Some(job), _) => (MapPoses::Job(job), reference),
-        (None, Some(tool_poses)) => (MapPoses::ToolPoses(tool_poses), page_reference(&reference)),
+        (None, Some(tool_poses)) => (MapPoses::ToolPoses(tool_poses), reference),
         (None, None) => (MapPoses::Grid, reference),
     };
     let options = MapOptions { poses, samples, target, reference, path, ..map };
@@ -351,10 +407,7 @@ struct PlacedPart {
 }
 
 fn placed(machine: &MachineFile, options: &PlacementOptions, run: Run) -> Reply<PlacedPart> {
-    let bare = options.tool_poses.is_some();
-    let reference = if bare { page_reference(&options.reference) } else { options.reference.clone() };
-    let Answer { value: placement, warnings } =
-        place(machine, &PlacementOptions { reference, ..options.clone() }, run)?;
+    let Answer { value: placement, warnings } = place(machine, options, run)?;
     let (svg, over) = (placement.picture().svg(), placement.over.line());
     Ok(Answer { value: PlacedPart { placement, svg, over }, warnings })
 }
@@ -396,15 +449,22 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let text = format!("{MACHINE}job: {{ tool_poses: w.csv, limit: 1 um }}\n");
         let texts = json!({"m.yaml": text, "w.csv": "X,Y,Z\n0,0,0\n0,100,0\n"});
         let questions =
-            json!([{"work": {}}, {"compare": {"first": "m.yaml", "own_job": true}}, {"map": {"poses": {"random": 9}}}]);
-        let request = json!({"machine": "m.yaml", "texts": texts, "questions": questions});
-        let answers = &workbench(&request.to_string(), Run::default())["answers"];
+            json!([{"work": {}}, {"compare": {"first": "m.yaml"}}, {"map": {"poses": {"random": 9}}}, {"sources": {}}]);
+        let ask = |over: Value| {
+            let request = json!({"machine": "m.yaml", "texts": texts, "questions": questions, "over": over});
+            workbench(&request.to_string(), Run::default())["answers"].clone()
+        };
+        let [answers, volume] = [ask(json!({})), ask(Value::Null)];
         // The zero at the origin leaves 20 urad over 100 mm.
         let um = answers[0]["map"]["position_um"]["max"].as_f64().unwrap();
         assert!((um - 2.0).abs() < 1e-6, "{answers}");
         assert_eq!(answers[0]["limit"], json!("limit 1 um: exceeded; largest deviation 2 um"));
-        assert_eq!(answers[1]["over"], answers[0]["map"]["over"]);
-        assert_eq!(answers[2]["over"]["kind"], json!("volume"));
+        for of in 1..4 {
+            assert_eq!(answers[of]["over"], answers[0]["map"]["over"], "{of}");
+            assert_eq!(volume[of]["over"]["kind"], json!("volume"), "{of}");
+        }
+        assert_eq!(answers[2]["limit"], answers[0]["map"]["limit"]);
+        assert!((answers[3]["errors"][0]["max_um"].as_f64().unwrap() - 2.0).abs() < 1e-6, "{answers}");
     }
 
     #[test]
@@ -512,6 +572,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
             "machine": "m.yaml", "texts": {"m.yaml": machine, "a.yaml": MACHINE},
             "questions": [
                 {"compare": {"first": "a.yaml", "options": {"poses": 200}}}, {"compare": {"first": "b.yaml"}},
+                {"compare": {"first": "a.yaml", "more": ["m.yaml"], "options": {"poses": 200}}},
             ],
         });
         let found = workbench(&request.to_string(), Run::default());
@@ -521,6 +582,12 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         assert!(um(1) > um(0), "{compared}");
         assert_eq!(compared["machines"][1]["minus_first"]["position_um"]["p95"], json!(um(1) - um(0)));
         assert_eq!(missing["refused"], true);
+        // Several are compared with the first.
+        let three = &found["answers"][2];
+        assert_eq!(
+            (three["machines"].as_array().unwrap().len(), &three["machines"][2]["position_um"]["p95"]),
+            (3, &json!(um(1)))
+        );
     }
 
     #[test]

@@ -81,6 +81,11 @@ pub fn read_only() {
     let arguments = ["trunnion.yaml", "--target", "grid-csv", "--tool-poses", work.to_str().unwrap()];
     let page = report(&folder.0, "page.html", &arguments);
     let bench = Bench::mailed("mailed-only", &page, "trunnion.yaml");
+    // It begins over the part, and holds the figures over the volume, too.
+    let part = bench.command("map", &["--tool-poses", work.to_str().unwrap()]);
+    assert_eq!(Some(bench.figure("job")), part["position_um"]["max"].as_f64());
+    bench.click("over-volume");
+    wait(&bench.browser, "return document.querySelector('[data-at=p95]') !== null;");
     bench.agrees_at(300, &[]);
     assert!(note(&bench.browser).contains("read only"), "{}", note(&bench.browser));
     let text = panels(&bench, &["errors", "part", "control", "acceptance"]);
@@ -262,4 +267,38 @@ pub fn screenshots() {
     bench.browser.screenshot(&kept().join("mailed-whole.png"), true);
     let wide = bench.browser.run("return document.documentElement.scrollWidth <= innerWidth;");
     assert_eq!(wide, true, "the page is cut");
+}
+
+/// The page of three machines says on its first screen which is better, by how much, and whether that is known, as
+/// `compare` does.
+pub fn three() {
+    let folder = Folder::new("mailed-three");
+    let text = std::fs::read_to_string("configs/vmc-cframe-754.yaml").unwrap();
+    let own = |line: &&str| !["  E", "  - errors", "measured:", "errors:"].iter().any(|of| line.starts_with(of));
+    let bounded = text.lines().filter(own).collect::<Vec<_>>().join("\n");
+    let files = ["premium", "production", "commodity"].map(|class| {
+        let file = folder.0.join(format!("{class}.yaml"));
+        std::fs::write(&file, format!("{bounded}\nclass: {class}\n")).unwrap();
+        file.to_str().unwrap().to_owned()
+    });
+    let [premium, production, commodity] = files.each_ref().map(String::as_str);
+    let page = report(&folder.0, "page.html", &[production, premium, commodity, "--samples", "200"]);
+    let bench = Bench::mailed("mailed-three-page", &page, "vmc-cframe-754.yaml");
+    wait(&bench.browser, "return document.querySelector('[data-at=answer-by]') !== null;");
+    let answer = |of: &str| {
+        let found = bench.browser.run(&format!("return document.getElementById('answer-{of}').textContent;"));
+        found.as_str().unwrap().to_owned()
+    };
+    // The first of the others is the one that the rest is compared with.
+    let output = abbe()
+        .args(["compare", premium, commodity, production, "--format", "json", "--quiet", "--reference", "machine"])
+        .args(["--poses", "300", "--samples", "200", "--max-samples", "200"])
+        .output()
+        .unwrap();
+    let compared: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(compared["verdicts"][1]["verdict"], "worse", "{compared}");
+    assert_eq!(Some(bench.figure("answer-by")), compared["verdicts"][1]["by"]["um"].as_f64());
+    assert!(answer("better").starts_with("✓ A: premium.yaml"), "{}", answer("better"));
+    assert!(answer("sure").starts_with("✓ Yes"), "{}", answer("sure"));
+    bench.quiet();
 }

@@ -25,7 +25,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 39] = [
+const CHECKS: [checks::Check; 41] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -34,6 +34,7 @@ const CHECKS: [checks::Check; 39] = [
     ("text from the machine file is text", page::hostile),
     ("a report without an engine shows its figures and changes nothing", mailed::read_only),
     ("a report of bounds says where it has no value", mailed::bounded),
+    ("the page of three machines says which is better, and by how much", mailed::three),
     ("screenshots of a report", mailed::screenshots),
     ("a mailed page is never blank, with a part and without", blank::mailed),
     ("the workbench is never blank, and what is not current says so", blank::workbench),
@@ -57,6 +58,7 @@ const CHECKS: [checks::Check; 39] = [
     ("charts are downloaded as CSV, SVG and PNG", review::downloads),
     ("tables of control and test as files hold what the panels show", files::tables),
     ("the eight questions of a review are answered on one screen", meeting::questions),
+    ("with a job all is over it, as the command line says, and a switch shows the volume", meeting::scope),
     ("a curve is read under the pointer, and a drag along it moves the machine", meeting::curve),
     ("64 tries in the field read out the node that is seen, 64 beside it none", meeting::picks),
     ("two pictures are looked at together, on one scale", meeting::beside),

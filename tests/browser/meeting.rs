@@ -63,7 +63,9 @@ pub fn questions() {
     fill(&bench, "work", work.to_str().unwrap());
     wait(&bench.browser, "return document.querySelectorAll('#target option').length > 5;");
     fill(&bench, "target", "linuxcnc-kins");
-    let bound = &bench.command("budget", &[])["position_um"]["monte_carlo"]["percentiles"]["p95"]["value"];
+    let path = work.to_str().unwrap();
+    let bound =
+        &bench.command("budget", &["--tool-poses", path])["position_um"]["monte_carlo"]["percentiles"]["p95"]["value"];
     fill(&bench, "goal", &format!("{:.1}", 0.8 * bound.as_f64().unwrap()));
     bench.click("keep-a");
     bench.at_error("EY0A");
@@ -73,7 +75,7 @@ pub fn questions() {
     let find = "const find = document.querySelector('#answer-tighten button'); find?.click(); return find !== null;";
     wait(&bench.browser, find);
     wait(&bench.browser, "return document.getElementById('answer-tighten').textContent.includes('cost');");
-    let all = "[...document.querySelectorAll('.answers dd')]";
+    let all = "[...document.querySelectorAll('.answers td')]";
     wait(&bench.browser, &format!("return {all}.length === 8 && {all}.every((of) => !of.matches('.none'));"));
     wait(&bench.browser, "return document.querySelector('[data-at=answer-by]') !== null;");
     std::thread::sleep(std::time::Duration::from_secs(2));
@@ -81,11 +83,10 @@ pub fn questions() {
     assert!(last <= 900.0, "the last answer ends at {last}");
     bench.browser.screenshot(&kept().join("workbench-questions.png"), false);
     let _ = bench.save();
-    let path = work.to_str().unwrap();
     let output = abbe()
         .args(["compare", "--format", "json", "--quiet"])
         .args([&first, &bench.file])
-        .args(["--reference", "machine", "--tool-poses", path])
+        .args(["--tool-poses", path])
         .output()
         .unwrap();
     let compared: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -95,10 +96,13 @@ pub fn questions() {
         let found = bench.browser.run(&format!("return document.getElementById('answer-{of}').textContent;"));
         found.as_str().unwrap().to_owned()
     };
-    assert!(answer("better").starts_with("The present state") && by.unwrap() < 0.0, "{}", answer("better"));
-    assert!(answer("fits").starts_with("No: 7 of 8 poses"), "{}", answer("fits"));
-    let corrected = bench.command("map", &["--random", "2000", "--target", "linuxcnc-kins"]);
-    assert_eq!(Some(bench.figure("answer-after")), corrected["position_um"]["p95"].as_f64());
+    assert!(answer("better").starts_with("✓ The present state") && by.unwrap() < 0.0, "{}", answer("better"));
+    assert!(answer("fits").starts_with("✗ No, travel: 7 of 8 poses"), "{}", answer("fits"));
+    // What has a value acts in the machines drawn, so that the bounds rank.
+    let most = bench.command("budget", &["--tool-poses", path])["tighten"][0]["error"].as_str().unwrap().to_owned();
+    assert!(answer("dominates").contains(&most), "{most} {}", answer("dominates"));
+    let corrected = bench.command("map", &["--tool-poses", path, "--target", "linuxcnc-kins"]);
+    assert_eq!(Some(bench.figure("answer-after")), corrected["position_um"]["max"].as_f64());
     let bar = bench.command("instrument", &["ball-bar"]);
     let planes = bar["planes"].as_array().unwrap().iter().map(|of| of["bidirectional_um"].as_f64().unwrap());
     assert_eq!(bench.figure("answer-bar"), planes.fold(0.0, f64::max));
@@ -325,4 +329,75 @@ pub fn narrow() {
         bench.browser.screenshot(&kept().join(format!("workbench-390-{tab}.png")), true);
     }
     bench.quiet();
+}
+
+/// With a job everything is over it and its reference, as the command line has it, and a switch shows the volume.
+pub fn scope() {
+    const P95: &str = "/position_um/monte_carlo/percentiles/p95/value";
+    let without = |text: &str, kept: &str| -> String {
+        let is_error = |line: &&str| ["  E", "  - errors", "measured:"].iter().any(|of| line.starts_with(of));
+        let lines = text.lines().filter(|line| !is_error(line) || line.starts_with(&format!("  {kept}:")));
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let bounded = without(&trunnion(), "-").replace("errors:", "");
+    for (name, text, is_bounded) in
+        [("bench-scope", trunnion(), false), ("bench-scope-bounds", format!("{bounded}\nclass: production\n"), true)]
+    {
+        let text = format!("{text}\njob: {{ tool_poses: work.csv, limit: 15 um }}\n");
+        let bench = Bench::new(name, &text, (1400, 900));
+        std::fs::copy("docs/examples/work.csv", bench.file.with_file_name("work.csv")).unwrap();
+        wait(&bench.browser, "return document.querySelector('[data-at=job]') !== null;");
+        let map = bench.command("map", &[]);
+        let headline = bench.figure("job");
+        assert!((headline - map["limit"]["um"].as_f64().unwrap()).abs() < 1e-9, "{headline} {map}");
+        let said = |selector: &str| {
+            let found = bench.browser.run(&format!("return document.querySelector('{selector}').textContent;"));
+            found.as_str().unwrap().to_owned()
+        };
+        assert_eq!(said("#scope"), "Error over the job: 7 of 8 tool poses, zero");
+        // The limit is the job's, and judges the headline beside it: out of reach is not done.
+        let verdict = said(".limit strong");
+        assert_eq!(map["limit"]["held"].is_null(), verdict.starts_with("Open"), "{verdict} {}", map["limit"]);
+        assert_eq!(map["limit"]["held"] == false, verdict.starts_with("Fails"), "{verdict} {}", map["limit"]);
+        if is_bounded {
+            assert_eq!(Some(headline), bench.command("budget", &[]).pointer(P95).and_then(Value::as_f64));
+        } else {
+            assert_eq!(Some(headline), map["position_um"]["max"].as_f64());
+            // The errors alone, as deviations of machines that have no other.
+            let first = bench.browser.run("return document.querySelector('.bars .error-name').textContent;");
+            let alone = without(&text, first.as_str().unwrap());
+            std::fs::write(bench.file.with_file_name("alone.yaml"), alone).unwrap();
+            let bar = bench.figure(&format!("source-{}", first.as_str().unwrap()));
+            let output = abbe()
+                .args(["map", "--format", "json", "--quiet", "--order", "1"])
+                .arg(bench.file.with_file_name("alone.yaml"))
+                .output()
+                .unwrap();
+            let alone: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert!((bar - alone["position_um"]["max"].as_f64().unwrap()).abs() < 1e-6 * bar, "{first}: {bar} {alone}");
+        }
+        assert_eq!(Some(bench.figure("reach")), bench.command("reach", &[])["share"].as_f64());
+        bench.browser.screenshot(&kept().join(format!("workbench-{name}.png")), false);
+        bench.click("over-volume");
+        wait(&bench.browser, "return document.querySelector('[data-at=p95]') !== null;");
+        assert_eq!(said("#scope"), "Error over the volume");
+        let volume = match is_bounded {
+            true => bench.command("budget", &["--job", "none"]).pointer(P95).cloned().unwrap(),
+            false => bench.command("map", &["--random", "2000"])["position_um"]["p95"].clone(),
+        };
+        assert_eq!(Some(bench.figure("p95")), volume.as_f64());
+        // The pane of the editor wraps, widens by the keys, folds, and stays so.
+        bench.click("wrap-editor");
+        assert_eq!(bench.browser.run("return document.querySelectorAll('.cm-lineWrapping').length;"), 1);
+        let [.., width, _] = frame(&bench, "#file");
+        let _ = bench.browser.run("document.getElementById('editor-edge').focus();");
+        bench.browser.press(&[RIGHT, RIGHT]);
+        assert_eq!(frame(&bench, "#file")[2], width + 80.0);
+        bench.click("fold-editor");
+        assert!(frame(&bench, "#file")[2] < 60.0);
+        assert_eq!(bench.browser.run("return document.getElementById('editor').checkVisibility();"), false);
+        let kept = bench.browser.run("return location.hash;");
+        assert!(kept.as_str().unwrap().contains("pane=folded%2Cwrapped%2C"), "{kept}");
+        bench.quiet();
+    }
 }

@@ -187,7 +187,13 @@ pub fn part() {
     std::fs::copy(Path::new("docs/examples/work.csv"), &work).unwrap();
     bench.click("tab-part");
     fill(&bench, "work", work.to_str().unwrap());
-    let max = awaits(&bench, "part-max");
+    let zero = awaits(&bench, "part-max");
+    let printed = bench.command("map", &["--tool-poses", work.to_str().unwrap()]);
+    assert!((zero - printed["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{zero} {printed}");
+    assert!(text(&bench, "#part-over").contains("zero at (0, 0, 0)"));
+    fill(&bench, "reference", "machine");
+    wait(&bench.browser, "return document.getElementById('part-over').textContent.includes('machine coordinates');");
+    let max = bench.figure("part-max");
     let printed = bench.command("map", &["--reference", "machine", "--tool-poses", work.to_str().unwrap()]);
     assert!((max - printed["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{max} {printed}");
     assert!(text(&bench, "#part-over").contains("reference: machine coordinates"));
@@ -241,7 +247,7 @@ pub fn part() {
     let fitted = bench.command("map", &["--job", job.to_str().unwrap()]);
     assert!((bench.figure("part-max") - fitted["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9);
     fill(&bench, "work", work.to_str().unwrap());
-    wait(&bench.browser, "return document.getElementById('part-over')?.textContent.includes('machine coordinates');");
+    wait(&bench.browser, "return document.getElementById('part-over')?.textContent.includes('zero at');");
     fill(&bench, "reference", "machine");
     wait(&bench.browser, "return document.getElementById('part-over').textContent.includes('machine coordinates');");
     let reached = printed["tool_poses"]["reached"].as_u64().unwrap();

@@ -149,3 +149,4 @@ mod values_and_bounds;
 mod vectors;
 mod weighing;
 mod weil;
+mod worst_poses;

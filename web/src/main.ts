@@ -21,7 +21,6 @@ import {
   type Evaluator,
   type Pose,
   type Store,
-  type Work,
 } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
@@ -46,6 +45,7 @@ import { choices } from "./ui/conflict";
 import { button, byId, make } from "./ui/dom";
 import { download } from "./ui/download";
 import { Tabs } from "./ui/tabs";
+import { Pane } from "./ui/pane";
 import { Problems } from "./ui/problems";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
@@ -78,7 +78,11 @@ class Workbench {
     remove: (list, axis) => this.rebuild(axisRemoved(this.editor.view.state, list, axis)),
   });
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
-  private readonly verdict = new Verdict(byId("verdict"));
+  private readonly verdict = new Verdict(
+    byId("verdict"),
+    () => this.part.work !== null,
+    () => this.session.refresh(),
+  );
   private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
   private readonly panels = {
     answers: make("div"),
@@ -128,6 +132,7 @@ class Workbench {
       language: () => this.schema && { schema: this.schema, words: this.session.words },
       explain: (name) => this.cards.of(name),
     });
+    new Pane(byId("file"), (does) => this.editor.wrap(does));
     this.whatif = new WhatIf(byId("whatif"), this.editor);
     this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
     this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session, () => this.beside.view);
@@ -140,18 +145,18 @@ class Workbench {
     this.curve = new AxisCurve(panels.curve, session, move, failed);
     this.tighten = new Tighten(panels.tighten, session, editor, tell, failed);
     const kept = (first: string) => this.beside.take(first);
-    this.variants = new Variants(panels.variants, session, editor, () => this.part.work, kept, tell, failed);
-    const onPart = (work: Work | null) => this.verdict.over(work);
+    this.variants = new Variants(panels.variants, session, editor, kept, tell, failed);
     this.part = new Part(
       panels.part,
       session,
       this.stage,
       (pose) => this.sliders.go(pose),
-      onPart,
+      () => this.verdict.again(),
+      () => session.refresh(),
       tell,
       failed,
-      this.verdict.job,
     );
+    session.over = () => (place().over === "volume" ? null : this.part.named());
     this.control = new Control(panels.control, session, () => this.beside.take(null), tell, failed);
     this.acceptance = new Acceptance(panels.acceptance, session, tell, failed);
     this.tabs = new Tabs(byId("review"), "Review", [
@@ -190,6 +195,7 @@ class Workbench {
   private report(report: Report): void {
     this.session.settings = report.settings;
     this.part.stated = report.part;
+    this.variants.begin(report.others);
     if (this.tools.chosen && this.tools.chosen !== report.tool && report.isReadOnly) this.withoutTool(report.tool);
     if (!this.tools.chosen) this.tools.chosen = report.tool;
     byId("note").textContent = report.note;
@@ -458,6 +464,7 @@ class Workbench {
       move({ example: choice.value, pose: "", tool: "" });
       this.problems.clear("save", "tool");
       this.tools.chosen = store instanceof Report ? store.tool : "";
+      if (store instanceof Report) this.variants.begin(store.others);
       void this.open();
     });
     return [choice];

@@ -7,11 +7,15 @@ import {
   type Diagnostic,
   type ErrorNumber,
   type Evaluator,
+  type Over,
+  type Part,
   type Question,
+  refusals,
   DEFAULTS,
   type Request,
   type Settings,
   type Sources,
+  type StatedPart,
   type VolumeMap,
 } from "./evaluator/types";
 
@@ -23,6 +27,8 @@ export interface Findings {
   /** Errors that are one number, in this file or in one that it reads. */
   numbers: Record<string, ErrorNumber>;
   map: VolumeMap | null;
+  /** Why there is no map. */
+  refused: string[];
   sources: Sources | null;
   budget: Budget | null;
 }
@@ -37,8 +43,15 @@ export function isSettled(state: State): state is State & { now: Findings } {
   return state.now !== null && !state.stale && !state.effort.draft;
 }
 
+/** A part in place of the volume, with texts of files that are not on the disk. */
+export interface Scope {
+  asked: Part | StatedPart;
+  more: Record<string, string>;
+}
+
 /** The parts of a budget that are shown. */
 export interface Budget {
+  over: Over;
   poses: number;
   samples: number;
   statistic: string;
@@ -92,6 +105,8 @@ interface Answered {
 
 /** Keeps asking for the newest text: while an answer is awaited, only the last of the wishes is remembered. */
 export class Session {
+  /** The part that figures are over; null for the volume. */
+  over: () => Scope | null = () => null;
   /** Options of the figures. */
   settings: Settings = DEFAULTS;
   machine = "";
@@ -180,13 +195,17 @@ export class Session {
     if (!draft) return { ...FULL, poses, samples };
     const bounded = this.now?.map?.from === "bounds";
     const most = bounded ? BOUNDED_DRAFT : DRAFT;
-    const few = { poses: Math.min(most.poses, poses), samples: Math.min(most.samples, samples) };
+    // The poses of a job are all taken.
+    const isJob = this.now?.map?.over?.kind === "job";
+    const few = { poses: isJob ? poses : Math.min(most.poses, poses), samples: Math.min(most.samples, samples) };
     return { draft, isReduced: few.poses < poses || (bounded && few.samples < samples), keepsChain, ...few };
   }
 
   private request(text: string, questions: Question[]): Request {
     const tool = this.tool ? { tool: this.tool } : {};
-    return { machine: this.machine, texts: { [this.machine]: text }, questions, ...tool };
+    const over = this.over();
+    const texts = { ...over?.more, [this.machine]: text };
+    return { machine: this.machine, texts, questions, ...tool, ...(over ? { over: over.asked } : {}) };
   }
 
   private async work(): Promise<void> {
@@ -237,7 +256,7 @@ export class Session {
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const map = accepted<VolumeMap>(answers[0]);
     const chain = effort.keepsChain ? before.chain : accepted<Chain>(answers[1]);
-    return { diagnostics, findings: map && chain && { ...before, map, chain } };
+    return { diagnostics, findings: map && chain && { ...before, map, chain, refused: [] } };
   }
 
   private async follow(text: string, effort: Effort, drag: number): Promise<void> {
@@ -283,6 +302,7 @@ export class Session {
     const findings = {
       chain,
       map: accepted<VolumeMap>(answers[1]),
+      refused: refusals(answers[1]),
       budget: accepted<Budget>(answers[2]),
       sources: accepted<Sources>(answers[3]),
       words: names?.words ?? accepted<Record<string, string>>(answers[4]) ?? {},

@@ -7,10 +7,13 @@ import { test } from "node:test";
 import { keysAbove, keysAt } from "../src/editor/complete";
 import { toleranceEdits } from "../src/editor/tolerances";
 import type { Comparison } from "../src/evaluator/types";
-import { letters, parsed } from "../src/explain/name";
+import type { Chain } from "../src/evaluator/types";
+import { letters, parsed, plainly } from "../src/explain/name";
 import { inherited, override } from "../src/editor/override";
 import { ticks } from "../src/review/lines";
 import { judgement } from "../src/review/variants";
+import { deciding, scopeOf, verdict } from "../src/review/verdict";
+import type { Findings } from "../src/session";
 import { csv } from "../src/ui/download";
 import { compared, quantity } from "../src/ui/table";
 
@@ -149,4 +152,63 @@ test("columns are sorted by figures, words below numbers", () => {
   const cells = ["12.5 µm", "−3 µrad", "not reached", "1e-3", "EC0Y", "x 7"].map(quantity);
   assert.deepEqual(cells, [12.5, -3, "not reached", 1e-3, "EC0Y", "x 7"]);
   assert.deepEqual([...cells].sort(compared), ["EC0Y", "not reached", "x 7", -3, 1e-3, 12.5]);
+});
+
+test("an error is said as a designer says it", () => {
+  const axis = (name: string, kind: string, direction: number[]) => ({ name, kind, direction });
+  const axes = [axis("X", "linear", [1, 0, 0]), axis("B", "rotary", [0, 1, 0])];
+  const chain = { axes } as unknown as Chain;
+  const said = ["EBX", "EAX", "EYX", "EXX", "EC0X", "EAB", "EXB", "EYB", "EBB", "EA0B", "EX0B", "EA0S"];
+  assert.deepEqual(
+    said.map((name) => plainly(name, chain)),
+    [
+      "X tilts about Y",
+      "X rolls",
+      "X runs crooked in Y",
+      "the scale of X is off",
+      "X is out of square about Z",
+      "the bearing of B tilts about X",
+      "the bearing of B runs out in X",
+      "the bearing of B moves along its axis",
+      "B turns to wrong angles",
+      "the axis of B leans about X",
+      "the axis of B lies off in X",
+      "the spindle leans about X",
+    ],
+  );
+});
+
+const OVER = { kind: "job", reference: "zero", path: false, poses: 8, reached: 8, tool: "" } as const;
+
+test("the limit judges the headline beside it, and tool poses out of reach leave it open", () => {
+  const position_um = { max: 20, p95: 15 };
+  const on = (over: object, map: object) => {
+    const found = { map: { over: { ...OVER, ...over }, position_um, ...map }, sources: { errors: [{}] }, budget: null };
+    return deciding(found as unknown as Findings);
+  };
+  const own = { limit_um: 30, um: 20, interval_um: [18, 22], drawn: false, held: true };
+  const held = on({}, { limit: own });
+  assert.ok(held && held.value === 20);
+  assert.equal(verdict(held, ""), "Passes by 10.0 µm");
+  assert.equal(verdict(held, "21"), "Open: the limit lies within the band");
+  assert.equal(verdict(held, "17"), "Fails by 3.00 µm");
+  const missed = on({ reached: 7 }, { limit: { ...own, held: null } });
+  assert.ok(missed);
+  assert.equal(verdict(missed, ""), "Open: 1 of 8 tool poses are out of reach");
+  assert.equal(verdict(missed, "40"), "Open: 1 of 8 tool poses are out of reach");
+  const unknown = on({}, { limit: { ...own, held: null } });
+  assert.ok(unknown && verdict(unknown, "").startsWith("Open: errors without value or bound"));
+  const bare = on({}, {});
+  assert.ok(bare && bare.band === null && verdict(bare, "") === "");
+  assert.equal(scopeOf({ ...OVER, reached: 7 }), "over the job: 7 of 8 tool poses, zero");
+});
+
+test("over the volume the interval covers the choice of poses", () => {
+  const map = { over: { ...OVER, kind: "volume" }, poses: 2000, position_um: { p95: 30 } };
+  const of = (more: object) =>
+    deciding({ map: { ...map, ...more }, sources: { errors: [{}] }, budget: null } as unknown as Findings)?.band;
+  const p95_over_volume = { percent: 95, value: 30, low: 29, high: 32 };
+  assert.deepEqual(of({ p95_over_volume }), [29, 32]);
+  assert.deepEqual(of({ p95_over_volume, uncertainty: { position_um: { p95: [27, 34] } } }), [26, 36]);
+  assert.equal(of({}), null);
 });

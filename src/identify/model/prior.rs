@@ -74,6 +74,11 @@ impl Prior {
         Self { rows: all, values: all_values, ..self }
     }
 
+    /// Returns the displacements of the machine's unknowns over their standard deviation: an upper triangle.
+    pub fn plausible(&self) -> DMatrix<f64> {
+        self.metric.rows(0, self.own) / self.sigma
+    }
+
     /// Returns the weight of a squared displacement beside readings of this variance.
     pub fn weight(&self, variance: f64) -> f64 {
         variance / (self.sigma * self.sigma)

@@ -51,6 +51,9 @@ pub struct ParameterFit {
     pub known: DMatrix<f64>,
     /// RMS (mm) of the readings against the machine at the start, with instruments and set-ups fitted.
     pub initial_rms: f64,
+    /// What is known before the readings by plausible sizes: combinations of standard deviation 1, an upper triangle
+    /// over the machine's unknowns, which come first.
+    pub plausible: DMatrix<f64>,
     /// True if a bound on a slope holds the unknown, too.
     pub slope_bounded: Vec<bool>,
     /// Accepted steps.
@@ -73,6 +76,7 @@ impl ParameterFit {
             scatter: Vec::new(),
             parameter_freedom: Vec::new(),
             initial_rms: 0.0,
+            plausible: DMatrix::zeros(0, model.parameters().len()),
             slope_bounded: model.slope_rows().column_iter().map(has_bound).collect(),
             steps: 0,
             converged: false,
@@ -147,8 +151,14 @@ impl<'a> FitSearch<'a> {
         };
         let converged = descent.run();
         let Descent { theta, reduced, steps, .. } = descent;
-        let initial_rms = prior.initial_rms;
-        ParameterFit { initial_rms, steps, converged, ..ParameterFit::new(self.model, theta, reduced, weights) }
+        let (initial_rms, plausible) = (prior.initial_rms, prior.plausible());
+        ParameterFit {
+            initial_rms,
+            plausible,
+            steps,
+            converged,
+            ..ParameterFit::new(self.model, theta, reduced, weights)
+        }
     }
 }
 
@@ -188,9 +198,11 @@ impl Descent<'_> {
         let (rows, unknowns) = (self.reduced.rows, self.theta.len());
         let is_redundant = rows > unknowns;
         let degrees_of_freedom = if is_redundant { rows - unknowns } else { rows.max(1) } as f64;
+        if !self.prior.has_known_values && is_redundant {
+            return self.reduced.rest * self.reduced.rest / degrees_of_freedom;
+        }
         if !self.prior.has_known_values {
-            let residual = if is_redundant { self.reduced.rest } else { self.reduced.right_norm() };
-            return residual * residual / degrees_of_freedom;
+            return self.scatter_by_rank();
         }
         let mut variance = self.reduced.right_norm() * self.reduced.right_norm() / rows.max(1) as f64;
         for _ in 0..STEP_SCATTER_ITERATIONS {
@@ -200,6 +212,19 @@ impl Descent<'_> {
             variance = (residual * residual + self.reduced.rest * self.reduced.rest) / degrees_of_freedom;
         }
         variance
+    }
+
+    /// Returns the same where there are no more readings than unknowns: these may still fall short of the readings. Of
+    /// readings that the unknowns reach, all of what is missed now is scatter.
+    fn scatter_by_rank(&self) -> f64 {
+        let (rows, whole) = (self.reduced.rows, self.reduced.right_norm());
+        let svd = Svd::new(&self.prior.by_displacement(&self.reduced.r));
+        let rank = svd.rank(RANK_TOLERANCE);
+        let reached = svd.u.columns(0, rank).tr_mul(&self.reduced.right).norm_squared();
+        match rows.saturating_sub(rank) {
+            0 => whole * whole / rows.max(1) as f64,
+            left => (whole * whole - reached).max(0.0) / left as f64,
+        }
     }
 
     /// Takes the last step by the linear problem alone, if the remaining reduction is small beside the confidence

@@ -2,6 +2,8 @@
 //! about every direction.
 
 use super::fit::ParameterFit;
+use super::plausible::known_before;
+use super::solution::Solution;
 use super::sums::parallel_sum;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
@@ -309,12 +311,12 @@ pub(super) struct VolumeForms {
 }
 
 impl VolumeForms {
-    /// Evaluates the forms beside a fit; `root` is that of the covariance of its unknowns.
+    /// Evaluates the forms beside a fit and its diagnosis. Unknowns stay within what is plausible, as in the fit.
     pub fn of(
         model: &FitModel<'_>,
         data: &[Measurement],
         fit: &ParameterFit,
-        root: &DMatrix<f64>,
+        solution: &Solution,
         axes: &[FormedAxis],
     ) -> Self {
         let mut poses = volume_poses(model, data);
@@ -327,8 +329,10 @@ impl VolumeForms {
         // These poses are not readings: they do not count as progress.
         let model = &model.clone().with_progress(&|_| Ok(()));
         let effects = model.triangle(&poses, &weights, &fit.theta).r;
+        let scatter = solution.sigma * libm::sqrt(3.0 * poses.len() as f64 / fit.reduced.rows as f64);
+        let effects = known_before(effects, &fit.plausible, scatter);
         let Sums { forms, cross, .. } = Sums::of(model, &poses, &ParameterFit { weights, ..fit.clone() }, axes);
-        Self::project(&effects, root, forms, &cross)
+        Self::project(&effects, &solution.covariance_root(), forms, &cross)
     }
 
     /// Projects the forms on the effects of the unknowns on the deviations (a triangle), in the directions of `root`.

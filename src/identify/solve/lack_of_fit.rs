@@ -59,7 +59,7 @@ pub fn form_uncertainty(
     let average = FormAverage::over_lengths(&blocks, &left, solution.degrees_of_freedom as f64)?;
     let bends = bends(model, &axes, &left, solution.degrees_of_freedom as f64);
     let half = &root * seen;
-    let volume = VolumeForms::of(model, data, fit, &root, &axes);
+    let volume = VolumeForms::of(model, data, fit, solution, &axes);
     let mut all = DMatrix::zeros(half.nrows(), half.nrows());
     let mut unmodelled = all.clone();
     for (SeenBlock { block, .. }, variances) in blocks.iter().zip(&average.variances) {

@@ -17,6 +17,7 @@ mod form_sizes;
 mod in_data;
 mod lack_of_fit;
 mod plan;
+mod plausible;
 mod randomness;
 mod solution;
 mod sums;

@@ -4,6 +4,7 @@
 //! A displacement is an unknown times its usual effect on a point (mm), so that unlike unknowns can be compared.
 
 use super::fit::ParameterFit;
+use super::plausible::within_plausible;
 use crate::algebra::linear::{ReducedSystem, Svd, beside, over_columns};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
@@ -156,9 +157,12 @@ impl Solution {
             redundancy.map_or(fit.reduced.rows.saturating_sub(rank), |rest| libm::round(rest) as usize);
         let sigma = libm::sqrt(fit.squares / redundancy.unwrap_or(degrees_of_freedom as f64).max(1.0));
         let null_echelon = sized.as_ref().map_or_else(Vec::new, |sized| reduced_echelon(&sized.null_space(rank)));
-        let (root, null_basis) = match &sized {
-            Some(sized) => (sized.root_covariance(rank), sized.null_space(rank)),
-            None => (unit.root_covariance(rank), DMatrix::zeros(parameters.len(), 0)),
+        let null_basis =
+            sized.as_ref().map_or_else(|| DMatrix::zeros(parameters.len(), 0), |sized| sized.null_space(rank));
+        let units = if full { scale.clone() } else { sizes.clone() };
+        let root = match within_plausible(&reduced, &fit.plausible, rank, sigma) {
+            Some(all) => all.scaled(&units).root_covariance(rank),
+            None => sized.as_ref().unwrap_or(&unit).root_covariance(rank),
         };
         let by_parameter = |j: usize| fit.parameter_freedom.get(j).copied().unwrap_or(degrees_of_freedom as f64);
         let parameter_freedom: Vec<f64> = (0..parameters.len()).map(by_parameter).collect();
@@ -190,7 +194,7 @@ impl Solution {
             singular_values: unit.values.iter().copied().collect(),
             sigma,
             degrees_of_freedom,
-            units: if full { scale } else { sizes },
+            units,
             shared: SharedCovariance { form, common: none },
             root,
             parameter_freedom,
@@ -381,7 +385,8 @@ impl Solution {
         let rank = self.rank_first_order;
         let seen = reduced.scaled(&units);
         self.null_basis = seen.null_space(rank);
-        self.root = seen.root_covariance(rank);
+        let known = within_plausible(&reduced, &fit.plausible, rank, self.sigma);
+        self.root = known.map_or(seen, |all| all.scaled(&units)).root_covariance(rank);
         self.units = units.clone();
         self.shared = self.shared.through(datum.map);
         let map = DMatrix::from_fn(count, count, |i, j| datum.map[(i, j)] * units[i] / units[j]);

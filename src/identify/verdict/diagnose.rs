@@ -18,6 +18,8 @@ pub(crate) fn diagnose<'a>(
     fit: ParameterFit,
 ) -> (FitDiagnosis<'a>, FitInData) {
     let data = &problem.rows;
+    // The last step came from the linear problem before it; along weak directions that is another one.
+    let fit = fit.at(model, data, fit.theta.clone());
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
     let examine = |fit: &ParameterFit| {
         let solution = Solution::of(fit, &problem.unknowns);

@@ -15,7 +15,7 @@ import { yaml } from "@codemirror/lang-yaml";
 import { bracketMatching, HighlightStyle, indentOnInput, syntaxHighlighting } from "@codemirror/language";
 import { lintGutter, lintKeymap } from "@codemirror/lint";
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
-import { EditorState } from "@codemirror/state";
+import { Compartment, EditorState } from "@codemirror/state";
 import { drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import type { Change } from "./chain";
@@ -75,6 +75,8 @@ export class Editor {
   /** Digits of a held slider that the view does not show yet. */
   private pending: Change | null = null;
   private rest = 0;
+  private readonly wrapping = new Compartment();
+  private wraps = false;
   /** True while the view takes what the listener knows already. */
   private isWriting = false;
 
@@ -98,6 +100,12 @@ export class Editor {
   open(text: string, nonce: string): void {
     this.forget();
     this.view.setState(this.state(text, nonce));
+  }
+
+  /** Long lines go on below, or leave the pane. */
+  wrap(does: boolean): void {
+    this.wraps = does;
+    this.view.dispatch({ effects: this.wrapping.reconfigure(does ? EditorView.lineWrapping : []) });
   }
 
   /** Writes texts in place of ranges, as one step of undo. */
@@ -186,6 +194,7 @@ export class Editor {
         // Also what the page's own controls would write.
         EditorState.changeFilter.of(() => !this.isReadOnly),
         EditorView.contentAttributes.of({ "aria-label": "Machine file", tabindex: "0" }),
+        this.wrapping.of(this.wraps ? EditorView.lineWrapping : []),
         lineNumbers(),
         lintGutter(),
         history(),

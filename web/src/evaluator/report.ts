@@ -3,6 +3,7 @@
  * beyond these is answered by the engine in the page, if it has one.
  */
 
+import { kindOf } from "./division";
 import { Hosted } from "./hosted";
 import { unpacked } from "./packed";
 import type {
@@ -25,7 +26,8 @@ interface ReportMachine {
   machine: string;
   tool: string | null;
   text: string;
-  known: { question: Question; answer: unknown }[];
+  /** Answers over the part, and where there is one over the volume. */
+  known: { question: Question; answer: unknown; over: Request["over"] | null }[];
   /** At poses that the page leads to; `rows` of a machine that is only bounded, with this number of drawn machines. */
   eval: { poses: number[][]; answer: Evaluated | undefined; samples: number; rows: Rows | null };
 }
@@ -72,6 +74,11 @@ export class Report implements Evaluator, Store {
     return this.start.place.asked;
   }
 
+  /** The machines besides the one that is chosen. */
+  get others(): { machine: string; text: string }[] {
+    return this.start.machines.filter(({ machine }) => machine !== this.chosen);
+  }
+
   /** Name of the tool that the report is about; empty for the first. */
   get tool(): string {
     return this.machine?.tool ?? "";
@@ -103,10 +110,10 @@ export class Report implements Evaluator, Store {
   /** Answers that the page holds, `undefined` for others; none at all if the request is about another text. */
   private known(request: Request): unknown[] | null {
     const machine = this.start.machines.find((of) => of.machine === request.machine);
-    const own = { ...this.start.files, [request.machine]: machine?.text };
-    const isOwn = Object.entries(request.texts).every(([name, text]) => own[name] === text);
+    const own = Object.fromEntries(this.start.machines.map((of) => [of.machine, of.text]));
+    const isOwn = Object.entries(request.texts).every(([name, text]) => (own[name] ?? this.start.files[name]) === text);
     if (!machine || !isOwn || (request.tool ?? machine.tool) !== machine.tool) return null;
-    return request.questions.map((question) => answer(machine, question));
+    return request.questions.map((question) => answer(machine, question, request.over));
   }
 
   /** Unpacks the engine and compares its answers with those of the program. */
@@ -150,7 +157,10 @@ function policy(): string {
   return document.querySelector("meta[http-equiv='Content-Security-Policy']")?.getAttribute("content") ?? "";
 }
 
-function answer(machine: ReportMachine, question: Question): unknown {
+/** Questions whose answer depends on the part that they are over. */
+const SCOPED = /^(map|sources|budget|reach|compare)$/;
+
+function answer(machine: ReportMachine, question: Question, over: Request["over"]): unknown {
   const { answer: known, rows, samples } = machine.eval;
   if (typeof question === "object" && "eval" in question) {
     const poses = chosen(machine, question.eval.poses, known?.poses);
@@ -162,7 +172,12 @@ function answer(machine: ReportMachine, question: Question): unknown {
     return poses && { rows: { poses } };
   }
   const key = canonical(question);
-  return machine.known.find((of) => canonical(of.question) === key)?.answer;
+  const parts = new Set(machine.known.map((of) => canonical(of.over)));
+  // Without a job all is over the volume.
+  const isOver = (of: unknown) => (over ? canonical(of) === canonical(over) : of === null || parts.size === 1);
+  const isIt = (of: ReportMachine["known"][number]) =>
+    canonical(of.question) === key && (!SCOPED.test(kindOf(question)) || isOver(of.over));
+  return machine.known.find(isIt)?.answer;
 }
 
 /** What is known at the poses that are asked for; `undefined` if any of them is another one. */

@@ -798,6 +798,8 @@ export interface ErrorSource {
 export interface ErrorSources {
   /** Name of the machine. */
   machine: string;
+  /** Poses and reference of the effects. */
+  over: Over;
   /** Number of poses. */
   poses: number;
   /** Seed of the poses. */
@@ -1170,6 +1172,8 @@ export interface MapResult {
   rotation_urad: Summary;
   /** Intervals of the statistics, where the machine file states uncertainties of errors. */
   uncertainty?: Bands | null;
+  /** The value that 95 % of the whole volume keeps, um, with its interval by the number of random poses; of random poses alone. */
+  p95_over_volume?: Percentile | null;
   /** The poses beyond the ranges in which the curves of the axes were measured. */
   beyond_measured?: BeyondMeasured | null;
   /** The worst poses, largest deviation of the functional point first. */

@@ -16,7 +16,7 @@ export type Question =
   | { reach: { step_mm?: number } }
   | { work: (Part | StatedPart) & { samples?: number; target?: string; map?: Options } }
   | { place: (Part | StatedPart) & { ranges: string; figure: boolean } }
-  | { compare: { first: string; own_job?: boolean; options: { poses?: number } | Part | StatedPart } }
+  | { compare: { first: string; more: string[]; options: Options } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
   | "numbers"
@@ -65,6 +65,8 @@ export interface Request {
   texts: Record<string, string>;
   /** Name of the tool; the first of the file where it is left out. */
   tool?: string;
+  /** The part that maps, sources, budgets, reach and comparisons are over; the volume without one. */
+  over?: Part | StatedPart;
   questions: Question[];
 }
 
@@ -83,10 +85,18 @@ export interface Settings {
   map: Options;
   sources: Options;
   budget: Options;
+  compare: Options;
 }
 
 /** The defaults of the verbs. */
-export const DEFAULTS: Settings = { poses: 2000, samples: 1000, map: {}, sources: {}, budget: {} };
+export const DEFAULTS: Settings = {
+  poses: 2000,
+  samples: 1000,
+  map: {},
+  sources: {},
+  budget: {},
+  compare: { poses: 1000 },
+};
 
 /** Others wrote the file that the page would save; `theirs` is its text now, null where it cannot be read. */
 export class Conflict extends Error {
@@ -147,6 +157,8 @@ export function geometry(of: Chain): string {
 
 export type Pose = Record<string, number>;
 
+export type Over = results.Over;
+
 export type Summary = results.Summary;
 
 export type VolumeMap = results.MapResult;
@@ -198,8 +210,6 @@ export interface Work {
   map: {
     path?: results.PathResult | null;
     position_um: Summary;
-    limit?: { held: boolean | null };
-    bounds?: { position_um: { monte_carlo: { p95: number } } };
     features?: {
       feature: string;
       poses: number;

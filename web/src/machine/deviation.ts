@@ -162,7 +162,11 @@ export class Deviation {
       return this.legend.replaceChildren("No error that has a value acts at this pose.");
     const drawn = ` (${parts} µm), drawn ${counted(times)} times as large: nominal tool yellow, actual red`;
     const beside = other ? [make("span", {}, "Beside it ", strong("beside", other.length_um))] : [];
-    this.legend.replaceChildren(make("span", {}, "Deviation here ", value, drawn), ...beside, ...scale);
+    this.legend.replaceChildren(
+      make("span", {}, "Deviation here, machine coordinates, ", value, drawn),
+      ...beside,
+      ...scale,
+    );
   }
 
   private scale(most: number): HTMLElement {

@@ -3,7 +3,7 @@
 import { Newest } from "../evaluator/newest";
 import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type Vec3 } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
-import type { Tell } from "./answers";
+import type { Answer, Tell } from "./answers";
 import { make } from "../ui/dom";
 import { folding, row, table, tableFiles } from "../ui/table";
 import { figure } from "./number";
@@ -27,7 +27,11 @@ export class Acceptance {
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       const words = "Nothing of this machine is measured: what a test reads depends on the errors that it will have.";
-      this.tell("test", "Nothing of this machine is measured.");
+      this.tell("test", {
+        words: "Once measured",
+        mark: "open",
+        why: ["Readings depend on the errors that it will have."],
+      });
       return this.body.replaceChildren(make("p", { class: "words" }, words));
     }
     const { machine } = state.now.chain;
@@ -37,14 +41,16 @@ export class Acceptance {
       }));
       const [bar, turn, lines] = await this.session.ask(tests);
       if (bar === undefined) return;
-      this.tell("test", ...readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
+      this.tell("test", readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
       const sections = [
         section("Ball bar, ISO 230-4", "bidirectional circular deviation", bar, circles),
         section("R-test", "range of the ball's reading along X, Y, Z", turn, turns),
         section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
       ];
       const tables = sections.flatMap((of) => [...of.querySelectorAll("table")]);
+      const over = "Readings of the machine by itself: circles, balls and diagonals in its volume, whatever the job.";
       this.body.replaceChildren(
+        make("p", { class: "words" }, over),
         ...sections,
         make("p", { class: "files" }, ...tableFiles("acceptance", `${machine}: acceptance test`, ...tables)),
       );
@@ -53,7 +59,7 @@ export class Acceptance {
 }
 
 /** The largest readings: one line. */
-function readings(bar: BallBar | null, lines: Diagonals | null): (Node | string)[] {
+function readings(bar: BallBar | null, lines: Diagonals | null): Answer {
   const planes = [...(bar?.planes ?? [])].sort((a, b) => b.bidirectional_um - a.bidirectional_um);
   const diagonals = [...(lines?.diagonals ?? [])].sort((a, b) => b.e_d_um - a.e_d_um);
   const words: (Node | string)[] = [];
@@ -62,7 +68,8 @@ function readings(bar: BallBar | null, lines: Diagonals | null): (Node | string)
     words.push(words.length ? ", diagonal " : "Diagonal ", signs(diagonals[0].name), " ");
     words.push(figure("answer-diagonal", diagonals[0].e_d_um, "µm"));
   }
-  return words.length ? words : ["None of these tests fits this machine: see Test."];
+  if (!words.length) return { words: "No test", mark: "open", why: ["None of these tests fits this machine."] };
+  return { words: "At most", figure: words, why: ["Of the machine by itself, in its volume."] };
 }
 
 const signs = (name: string) => name.replaceAll("p", "+").replaceAll("n", "−");

@@ -1,23 +1,41 @@
-/** The eight questions of a design review, a line each, as the panels answer them. */
+/** The eight questions of a design review as a table: the answer with a mark, its figure, and why. */
 
 import { button, make } from "../ui/dom";
 
-/** What a panel answers, by the panel's name in the address. */
+/** The panel that answers, by its name in the address; the question; what is missing for an answer, and how to give it. */
 const QUESTIONS = {
-  better: ["variants", "Which concept is better on my part?", "Keep a variant A, then change the machine."],
-  by: ["variants", "By how much?", "Keep a variant A."],
-  sure: ["variants", "Is that more than its uncertainty?", "Keep a variant A."],
-  dominates: ["errors", "Which error dominates, and where?", "No error has a value or a bound."],
-  fits: ["part", "Does the part fit?", "Name its tool poses."],
-  tighten: ["tighten", "What must be tightened, at what cost?", "State a goal."],
-  repair: ["control", "What can the control repair?", "Choose a control."],
-  test: ["acceptance", "What will the acceptance test read?", "Being computed."],
+  better: [
+    "variants",
+    "Which concept is better on my part?",
+    "One machine",
+    "Open a second one, or keep this state and change it.",
+  ],
+  by: ["variants", "By how much?", "One machine", ""],
+  sure: ["variants", "Is that more than its uncertainty?", "One machine", ""],
+  dominates: ["errors", "Which error dominates, and where?", "None", "No error has a value or a bound."],
+  fits: ["part", "Does the part fit?", "No part", "Name its tool poses."],
+  tighten: ["tighten", "What must be tightened, at what cost?", "No goal", "State a limit or a goal."],
+  repair: ["control", "What can the control repair?", "No control", "Choose one."],
+  test: ["acceptance", "What will the acceptance test read?", "…", ""],
 } as const;
 
 export type Asked = keyof typeof QUESTIONS;
 
-/** Takes an answer; nothing takes it back. */
-export type Tell = (of: Asked, ...answer: (Node | string)[]) => void;
+const MARKS = { yes: "✓", no: "✗", open: "?" };
+
+/** An answer in one or two words. */
+export interface Answer {
+  words: Node | string;
+  /** Good, bad, or not decided; none for what is neither. */
+  mark?: keyof typeof MARKS;
+  /** The figure, with its interval. */
+  figure?: (Node | string)[];
+  /** One sentence. */
+  why?: (Node | string)[];
+}
+
+/** Takes an answer; without one the question is open. */
+export type Tell = (of: Asked, answer?: Answer) => void;
 
 export class Answers {
   private readonly cells = new Map<Asked, HTMLElement>();
@@ -26,19 +44,23 @@ export class Answers {
   constructor(parent: HTMLElement, open: (panel: string) => void) {
     const rows = (Object.keys(QUESTIONS) as Asked[]).map((of) => {
       const [panel, words] = QUESTIONS[of];
-      const cell = make("dd", { id: `answer-${of}` });
+      const cell = make("td", { id: `answer-${of}` });
       this.cells.set(of, cell);
       this.tell(of);
       const head = button(words, () => open(panel), { class: "link" });
-      return make("div", {}, make("dt", {}, head), cell);
+      return make("tr", {}, make("th", { scope: "row" }, head), cell);
     });
-    parent.append(make("dl", { class: "answers", "aria-live": "polite" }, ...rows));
+    parent.append(make("table", { class: "answers", "aria-live": "polite" }, make("tbody", {}, ...rows)));
   }
 
-  readonly tell: Tell = (of, ...answer) => {
+  readonly tell: Tell = (of, answer) => {
     const cell = this.cells.get(of);
-    const [, , none] = QUESTIONS[of];
-    cell?.classList.toggle("none", !answer.length);
-    cell?.replaceChildren(...(answer.length ? answer : [none]));
+    const [, , none, how] = QUESTIONS[of];
+    const { words, mark, figure = [], why = [] } = answer ?? { words: none, why: how ? [how] : [] };
+    cell?.classList.toggle("none", !answer);
+    const sign = mark ? [make("span", { class: `mark ${mark}`, "aria-hidden": "true" }, MARKS[mark]), " "] : [];
+    const value = figure.length ? [" ", make("span", {}, ...figure)] : [];
+    const reason = why.length ? [make("span", { class: "why" }, ...why)] : [];
+    cell?.replaceChildren(...sign, make("strong", {}, words), ...value, ...reason);
   };
 }

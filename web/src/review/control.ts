@@ -1,15 +1,17 @@
 /** What a control can repair: the machine with the files that `compile` would write for it, and without. */
 
 import { Newest } from "../evaluator/newest";
-import { accepted, type Refusal, type Summary, type Target } from "../evaluator/types";
+import { accepted, type Over, type Refusal, type Summary, type Target, refusals } from "../evaluator/types";
 import { FULL, isSettled, type Session, type State } from "../session";
-import type { Tell } from "./answers";
+import type { Answer, Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
 import { row, table, tableFiles } from "../ui/table";
 import { figure } from "./number";
+import { scopeOf } from "./verdict";
 
 interface Compensated {
+  over: Over;
   position_um: Summary;
   rotation_urad: Summary;
   uncompensated: { position_um: Summary; rotation_urad: Summary };
@@ -20,6 +22,7 @@ export class Control {
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
   private targets: Target[] = [];
+  private isBounded = false;
 
   constructor(
     parent: HTMLElement,
@@ -41,15 +44,7 @@ export class Control {
   show(state: State): void {
     this.body.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
-    if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
-      this.select.disabled = true;
-      this.tell("repair", "Nothing of this machine is measured.");
-      this.body.replaceChildren(
-        make("p", { class: "words" }, "Nothing of this machine is measured: there is nothing to correct yet."),
-      );
-      return;
-    }
-    this.select.disabled = false;
+    this.isBounded = state.now.map?.from === "bounds" || !state.now.sources?.errors.length;
     this.update();
   }
 
@@ -59,12 +54,26 @@ export class Control {
       const name = this.select.value;
       const target = this.targets.find((of) => of.target === name);
       if (!target) return this.nothing();
+      if (this.isBounded) return this.inKind(target);
       const question = { map: { poses: { random: FULL.poses }, target: name } };
       const [answer] = await this.session.ask([question]);
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
       this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
-      this.tell("repair", ...(found ? repaired(found, target) : refused(answer as Refusal)));
+      const reasons = refusals(answer);
+      this.tell("repair", found ? repaired(found, target) : { words: "Refused", mark: "open", why: reasons });
+    });
+  }
+
+  /** Nothing is measured: a control corrects errors of its kind once they are. */
+  private inKind(target: Target): void {
+    const words =
+      "Nothing of this machine is measured: what it corrects are values of these kinds, once they are known.";
+    this.body.replaceChildren(make("p", { class: "words" }, words), ...limits(target));
+    this.tell("repair", {
+      words: "Once measured",
+      mark: "open",
+      why: [`${target.title} corrects ${target.expresses}.`],
     });
   }
 
@@ -82,28 +91,42 @@ export class Control {
   }
 }
 
-function repaired({ position_um, uncompensated }: Compensated, target: Target): (Node | string)[] {
-  const [before, after] = [uncompensated.position_um.p95, position_um.p95];
-  return [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm"), ` with ${target.title}`];
+/** By the figure of the headline. */
+function repaired({ over, position_um, uncompensated }: Compensated, target: Target): Answer {
+  const by = over.kind === "job" ? "max" : "p95";
+  const [before, after] = [uncompensated.position_um[by], position_um[by]];
+  const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
+  const share = before > 0 ? `${Math.max(0, Math.round(100 * (1 - after / before)))} %` : "Nothing";
+  return { words: `${share}:`, mark: after < before ? "yes" : "no", figure: both, why: [`With ${target.title}.`] };
 }
 
-function shown({ position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {
+function shown({ over, position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {
   const both = (words: string, at: string, unit: string, before: number, after: number) =>
     row(words, figure(`without-${at}`, before, unit), figure(`with-${at}`, after, unit));
   const rows = [
     both("95 % of the poses", "p95", "µm", uncompensated.position_um.p95, position_um.p95),
     both("Largest deviation", "max", "µm", uncompensated.position_um.max, position_um.max),
-    both("Rotation of the tool, 95 %", "rotation-left", "µrad", uncompensated.rotation_urad.p95, rotation_urad.p95),
+    both(
+      "Rotation of the tool, 95 % of the poses",
+      "rotation-left",
+      "µrad",
+      uncompensated.rotation_urad.p95,
+      rotation_urad.p95,
+    ),
   ];
   const list = table(["Figure", "as it is", "corrected"], rows);
-  const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
-  const corrects = make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`);
+  list.prepend(make("caption", { class: "words" }, `Deviation ${scopeOf(over)}`));
   return [
     list,
     make("p", { class: "files" }, ...tableFiles(`control-${target.target}`, target.title, list)),
-    corrects,
-    cannot,
+    ...limits(target),
   ];
+}
+
+/** What a control corrects, and what not. */
+function limits(target: Target): HTMLElement[] {
+  const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
+  return [make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`), cannot];
 }
 
 function refused(answer: Refusal): HTMLElement[] {

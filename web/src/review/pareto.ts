@@ -1,13 +1,15 @@
 /** Which errors dominate: bars, largest first, in plain words. A bar leads to the line of its error in the file. */
 
 import { Newest } from "../evaluator/newest";
-import { accepted, type Axis, type Pose, type Sources } from "../evaluator/types";
+import { accepted, type Axis, type Pose, type Source, type Sources } from "../evaluator/types";
 import { type Findings, isSettled, type Session, type State } from "../session";
 import { button, make } from "../ui/dom";
 import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
-import type { Tell } from "./answers";
+import { plainly } from "../explain/name";
+import type { Answer, Tell } from "./answers";
 import { difference, figure, pair, rounded } from "./number";
+import { isOverJob, scopeOf } from "./verdict";
 
 /** A bar of the chart. */
 export interface Bar {
@@ -23,14 +25,27 @@ const FEW = 7;
 
 /** Each error alone where errors are measured; what tightening each tolerance would gain where they are bounded. */
 export function bars(of: Findings): Bar[] {
-  if (of.sources?.errors.length)
-    return of.sources.errors.map(({ error, words, p95_um }) => ({ error, words, um: p95_um, sigma: 0 }));
+  if (of.sources?.errors.length && !ofMachines(of))
+    return ranked(of).map(({ error, words, ...um }) => ({ error, words, um: um[judged(of)], sigma: 0 }));
   return (of.budget?.tighten ?? []).map((entry) => ({
     error: entry.error,
     words: `${of.words[entry.error] ?? ""} Bound: ±${Number(entry.tolerance.toPrecision(4))} ${entry.unit.replace("u", "µ")}`,
     um: entry.um_of_p95,
     sigma: entry.um_of_p95_sigma,
   }));
+}
+
+/** The figure of an error alone: as the headline, over a job the largest deviation. */
+const judged = (of: Findings): "max_um" | "p95_um" => (isOverJob(of) ? "max_um" : "p95_um");
+
+/** True where the headline is of drawn machines, bounds beside values: then the values alone do not rank. */
+const ofMachines = (of: Findings): boolean => isOverJob(of) && !!of.map?.bounds_add && of.budget !== null;
+
+/** The errors that have values and make the headline, largest first. */
+function ranked(of: Findings): Source[] {
+  const by = judged(of);
+  if (ofMachines(of)) return [];
+  return [...(of.sources?.errors ?? [])].sort((a, b) => b[by] - a[by]);
 }
 
 export class Pareto {
@@ -56,7 +71,7 @@ export class Pareto {
   show(state: State): void {
     const isDrawn = this.last !== null && state.effort.draft && sameBars(state, this.last);
     this.last = state;
-    this.tell("dominates", ...(state.now ? dominates(state.now) : []));
+    this.tell("dominates", state.now ? dominates(state.now) : undefined);
     if (!isDrawn) this.drawn(state);
     if (isSettled(state)) this.update();
   }
@@ -82,25 +97,29 @@ export class Pareto {
   }
 
   private drawn(state: State): void {
-    const isHere = this.here && this.there.length > 0 && state.now?.sources?.errors.length;
+    const isOfValues = !!state.now?.sources?.errors.length && !ofMachines(state.now);
+    const isHere = this.here && this.there.length > 0 && isOfValues;
     const list = isHere ? this.there : state.now ? bars(state.now) : [];
     if (!state.now || !list.length)
       return this.parent.replaceChildren(make("p", { class: "words" }, "No error has a value or a bound."));
     const kept = new Map((state.kept && !isHere ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
     const most = Math.max(...list.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
     const shown = this.whole ? list : list.slice(0, FEW);
-    const measured = state.now.sources?.errors.length;
+    const measured = isOfValues;
     const more =
       list.length > FEW
         ? [button(this.whole ? "Show the largest only" : `Show all ${list.length}`, () => this.toggle())]
         : [];
     this.parent.classList.toggle("stale", state.stale);
     const head = measured ? "What dominates" : "What to tighten";
+    const over = scopeOf(state.now.map?.over);
     const words = isHere
       ? "Part of each error along the deviation at the present pose; the parts add up to it."
       : measured
-        ? "Each error alone: 95 % of the poses deviate less."
-        : "Part of each tolerance in the 95 % value of the drawn machines.";
+        ? isOverJob(state.now)
+          ? `Each error alone, ${over}: its largest deviation.`
+          : `Each error alone, ${over}: 95 % of the poses deviate less.`
+        : `Part of each tolerance in what 95 % of the drawn machines keep, ${over}.`;
     this.parent.replaceChildren(
       ...(measured ? [this.choice()] : []),
       make("p", { class: "words" }, words),
@@ -126,7 +145,7 @@ export class Pareto {
     return make(
       "p",
       { class: "choice" },
-      one("Over the volume", false, "all-poses"),
+      one(isOverJob(this.last?.now ?? null) ? "Over the job" : "Over the volume", false, "all-poses"),
       one("At this pose", true, "here"),
     );
   }
@@ -173,28 +192,40 @@ function sameBars(one: State, other: State): boolean {
   return one.stale === other.stale && isSame(one.now, other.now) && isSame(one.kept, other.kept);
 }
 
-/** The largest error over the volume, and the one that counts most at the worst pose. */
-function dominates({ sources, map, budget, words, chain }: Findings): (Node | string)[] {
-  const [first] = sources?.errors ?? [];
-  const named = (error: string) => make("strong", { "data-error": error, tabindex: "0" }, error);
+/** The largest error alone, in words, and the one that counts most at the worst pose. */
+function dominates(of: Findings): Answer | undefined {
+  const { sources, map, budget, chain } = of;
+  const [first] = ranked(of);
+  const named = (error: string) => make("span", { "data-error": error, tabindex: "0" }, error);
+  const words = (error: string) => make("span", { "data-error": error, tabindex: "0" }, said(error, of));
   if (!first) {
     const [most] = budget?.tighten ?? [];
-    if (!budget || !most) return [];
+    if (!budget || !most) return undefined;
     const all = budget.position_um.monte_carlo.percentiles["p95"];
-    const name = (words[most.error] ?? "").replace(/\.$/, "");
     const worst = map?.bounds?.worst[0]?.axes;
-    const where = worst
-      ? `; worst at ${chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ")}`
-      : "";
-    const part = figure("answer-first", most.um_of_p95, "µm");
-    return [named(most.error), ` ${name}: `, part, all ? ` of ${rounded(all.value)} µm${where}.` : `${where}.`];
+    const where = worst && chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ");
+    const part = [figure("answer-first", most.um_of_p95, "µm"), all ? ` of ${rounded(all.value)} µm` : ""];
+    return { words: words(most.error), figure: part, why: [named(most.error), where ? `; worst at ${where}.` : "."] };
   }
-  const parts = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
-  const [there] = parts;
-  const all = [named(first.error), ` ${first.words.replace(/\.$/, "")}: `, figure("answer-first", first.p95_um, "µm")];
-  if (!there) return all;
-  const of = map ? ` of ${rounded(map.position_um.max)} µm` : "";
-  return [...all, "; at the worst pose ", named(there.error), " ", figure("answer-worst", there.at_um, "µm"), `${of}.`];
+  const [there] = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
+  const size = [figure("answer-first", first[judged(of)], "µm")];
+  if (!there) return { words: words(first.error), figure: size };
+  const whole = map ? ` of ${rounded(map.position_um.max)} µm` : "";
+  const why = [named(first.error), " alone; at the worst pose ", named(there.error), " makes "];
+  return {
+    words: words(first.error),
+    figure: size,
+    why: [...why, figure("answer-worst", there.at_um, "µm"), `${whole}.`],
+  };
+}
+
+/** An error in words, with its size where it is one number. */
+function said(error: string, { chain, numbers }: Findings): string {
+  const size = numbers[error];
+  const unit = size?.unit === "um" ? "µm" : "µrad";
+  const words = plainly(error, chain);
+  const by = size ? ` by ${size.bound ? "up to " : ""}${rounded(Math.abs(size.value))} ${unit}` : "";
+  return words.charAt(0).toUpperCase() + words.slice(1) + by;
 }
 
 /** Position of an axis in whole units. */

@@ -15,7 +15,7 @@ import {
 import type { WorkPoint } from "../machine/marks";
 import type { Stage } from "../machine/stage";
 import { isSettled, type Session, type State } from "../session";
-import type { Tell } from "./answers";
+import type { Answer, Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
@@ -28,7 +28,7 @@ const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700
 
 /** References of the part, in words. */
 const REFERENCES = {
-  "": "As a job has it; machine coordinates of a table",
+  "": "As the job states, else zero",
   machine: "Machine coordinates",
   zero: "Zero at the part's origin",
   "best-fit": "Best fit",
@@ -52,6 +52,9 @@ export interface NamedPart {
 type Path = NonNullable<Work["map"]["path"]>;
 
 type Feature = NonNullable<Work["map"]["features"]>[number];
+
+/** Code of a file that cannot be read. */
+const NO_FILE = "E0101";
 
 /** Rows that are listed. */
 const FEW = 6;
@@ -82,6 +85,8 @@ export class Part {
   stated: StatedPart = {};
   /** True if the part that is shown is the job of the machine file. */
   private isOwn = false;
+  /** Names that are those of files beside the machine file. */
+  private readonly besides = new Set<string>();
   /** A file that was dropped, or chosen: its name and text. */
   private given: { name: string; text: string } | null = null;
 
@@ -90,17 +95,17 @@ export class Part {
     private readonly session: Session,
     private readonly stage: Stage | null,
     private readonly go: (pose: Pose) => void,
-    /** Hears of the figures over the part; null without one. */
-    private readonly heard: (work: Work | null) => void,
+    /** Hears that there is a part, or none. */
+    private readonly heard: () => void,
+    /** Hears that the part is another one. */
+    private readonly changed: () => void,
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
-    /** The figures over the part that stand elsewhere. */
-    job: HTMLElement,
   ) {
-    this.asking = new Newest(failed, this.body, job);
+    this.asking = new Newest(failed, this.body);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
-    for (const choice of [this.reference, this.path]) choice.addEventListener("change", () => this.update());
+    for (const choice of [this.reference, this.path]) choice.addEventListener("change", this.changed);
     const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file", hidden: "" });
     file.addEventListener("change", () => void this.take(file.files));
     const choose = button("Choose a file", () => file.click());
@@ -129,7 +134,7 @@ export class Part {
   private name(): void {
     this.given = null;
     move({ work: this.input.value.trim() });
-    this.update();
+    this.changed();
   }
 
   private async take(files: FileList | null): Promise<void> {
@@ -138,7 +143,7 @@ export class Part {
     this.given = { name: this.session.beside(file.name), text: await file.text() };
     this.input.value = "";
     move({ work: "" });
-    this.update();
+    this.changed();
   }
 
   /** Begins with a part that the command line names; the page's address has a newer one. */
@@ -155,10 +160,21 @@ export class Part {
     return named.isOwn && !this.isOwn ? null : named;
   }
 
-  private named(): NamedPart {
+  /** A file that is not where it was looked for is looked for beside the machine file; false if that is the same. */
+  private lookBeside(): boolean {
+    const path = place().work;
+    const beside = this.session.beside(path);
+    if (!path || path.startsWith("/") || path === beside || this.besides.has(path)) return false;
+    this.besides.add(path);
+    return true;
+  }
+
+  /** The part that is asked for: of the machine file where none is named. */
+  named(): NamedPart {
     const along = this.path.value ? { path: this.path.value === "yes" } : {};
     const stated = { ...this.stated, ...along, ...(this.reference.value ? { reference: this.reference.value } : {}) };
-    const path = this.given?.name ?? place().work;
+    const named = place().work;
+    const path = this.given?.name ?? (this.besides.has(named) ? this.session.beside(named) : named);
     const more = this.given ? { [this.given.name]: this.given.text } : {};
     if (!path) return { asked: stated, more, isOwn: true, name: "the job of the machine file" };
     const of = /\.ya?ml$/i.test(path) ? { job: path } : { tool_poses: path };
@@ -173,10 +189,12 @@ export class Part {
       const [answer] = await this.session.ask([{ work: { ...asked, samples, map } }], more);
       if (answer === undefined) return;
       const work = accepted<Work>(answer);
-      this.isOwn = isOwn && work !== null;
-      this.heard(work);
+      const isMissing = !work && (answer as Refusal | null)?.diagnostics?.[0]?.code === NO_FILE;
+      if (isMissing && !isOwn && this.lookBeside()) return this.changed();
+      this.isOwn = isOwn && answer !== null;
+      this.heard();
       if (work) this.shown(work, name);
-      else this.nothing(refusals(answer));
+      else this.nothing(refusals(answer), isMissing);
     });
   }
 
@@ -194,9 +212,10 @@ export class Part {
     });
   }
 
-  private nothing(reasons: string[]): void {
+  private nothing(reasons: string[], isMissing: boolean): void {
     this.stage?.path([], 1);
-    this.tell("fits", ...(reasons.length ? [make("strong", {}, "No"), `: ${reasons.join(" ")}.`] : []));
+    const words = isMissing ? "File missing" : "Not readable";
+    this.tell("fits", reasons.length ? { words, mark: "open", why: [`${reasons.join(" ")}.`] } : undefined);
     this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
   }
 
@@ -207,7 +226,7 @@ export class Part {
     const colours = new Map(stops.map((of, i) => [of, STOPPED[i % STOPPED.length] ?? "#666666"]));
     const most = reached[0] ? deviation(reached[0]) : 0;
     this.stage?.path(points(work, colours, this.go), most);
-    this.tell("fits", ...fits(rows, stops));
+    this.tell("fits", fits(rows, stops));
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
     this.body.replaceChildren(
       make(
@@ -348,11 +367,11 @@ function placeRow(name: string, of: PlacedPart["placement"]["own"] | null | unde
   return make("tr", values, ...cells.map((cell) => make("td", {}, cell)));
 }
 
-function fits(rows: WorkRow[], stops: string[]): (Node | string)[] {
+function fits(rows: WorkRow[], stops: string[]): Answer {
   const missed = rows.filter((row) => !row.axes).length;
-  const answer = make("strong", {}, missed ? "No" : "Yes");
-  const counted = `: ${rows.length - missed} of ${rows.length} poses are reached`;
-  return [answer, missed ? `${counted}; the rest is ${stops.map(words).join(", ")}.` : `${counted}.`];
+  const figure = [`${rows.length - missed} of ${rows.length} poses are reached`];
+  if (missed) return { words: "No, travel:", mark: "no", figure, why: [`The rest is ${stops.map(words).join(", ")}.`] };
+  return { words: "Yes, by travel:", mark: "yes", figure, why: ["Collisions are not tested."] };
 }
 
 /** The bars of the features as files. */

@@ -23,7 +23,7 @@ export class ReachLine {
   show(state: State, tool: string): void {
     this.parent.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
-    const geometry = JSON.stringify([state.now.chain, tool]);
+    const geometry = JSON.stringify([state.now.chain, tool, state.now.map?.over]);
     if (geometry === this.asked) return;
     this.asked = geometry;
     this.parent.replaceChildren(make("p", { class: "words" }, "Work in reach: being counted …"));
@@ -40,8 +40,15 @@ export class ReachLine {
 function shown(reach: Reach): HTMLElement[] {
   const percent = `${Number((100 * reach.share).toPrecision(3))} %`;
   const share = make("strong", { "data-at": "reach", "data-value": String(reach.share) }, percent);
-  const of = `${reach.tips} tips, ${directions(reach)}`;
-  const words = make("p", {}, "Work in reach ", share, make("span", { class: "words" }, ` of ${of}`));
+  const isJob = reach.over.kind === "job";
+  const of = isJob ? `the ${reach.tool_poses} tool poses of the job` : `${reach.tips} tips, ${directions(reach)}`;
+  const words = make(
+    "p",
+    {},
+    isJob ? "Job in reach " : "Work in reach ",
+    share,
+    make("span", { class: "words" }, ` of ${of}`),
+  );
   if (!reach.reasons.length) return [words];
   const more = reach.reasons.length - FEW;
   const rest = `${reach.reasons.slice(0, FEW).join("; ")}${more > 0 ? `; ${more} more` : ""}.`;

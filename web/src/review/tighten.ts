@@ -4,13 +4,14 @@ import type { Editor } from "../editor/editor";
 import { toleranceEdits } from "../editor/tolerances";
 import { Newest } from "../evaluator/newest";
 import { accepted, type Refusal, type ToleranceGoal } from "../evaluator/types";
-import { isSettled, type Session, type State } from "../session";
-import type { Tell } from "./answers";
+import { type Budget, isSettled, type Session, type State } from "../session";
+import type { Answer, Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
 import { figure, rounded } from "./number";
+import { deciding, scopeOf, verdict } from "./verdict";
 
 export class Tighten {
   private readonly input = make("input", { type: "number", min: "0", step: "any", id: "goal", value: place().goal });
@@ -18,7 +19,12 @@ export class Tighten {
   private readonly answer = make("div", { "aria-live": "polite" });
   private readonly problem = make("p", { class: "words" });
   private readonly asking: Newest;
+  private readonly scope = make("span", {}, "over the volume");
   private bounded = false;
+  /** The limit, um, and whether it is held. */
+  private limit = 0;
+  private isHeld = false;
+  private first: Budget["tighten"][number] | undefined;
   /** The budget of which the answer is. */
   private last = "";
 
@@ -35,7 +41,7 @@ export class Tighten {
       this.offer();
     });
     this.input.addEventListener("keydown", ({ key }) => key === "Enter" && this.ask());
-    const label = make("label", { for: "goal" }, "Goal of the 95 % value over the volume ");
+    const label = make("label", { for: "goal" }, "Goal for 95 % of machines, ", this.scope, " ");
     const row = make("p", {}, label, this.input, " µm ", this.find);
     const words = "The cheapest tolerances for a goal: halving one costs 1, and none becomes coarser (budget --goal).";
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
@@ -45,43 +51,63 @@ export class Tighten {
   show(state: State): void {
     this.bounded = state.now?.budget !== null && state.now !== null;
     const { bounded } = this;
+    if (state.now?.map) this.scope.textContent = scopeOf(state.now.map.over);
+    const now = state.now && deciding(state.now);
+    this.limit = Number(place().limit) || (now?.limit?.um ?? 0);
+    this.isHeld = now !== null && verdict(now, place().limit).startsWith("Passes");
+    this.first = state.now?.budget?.tighten[0];
+    this.input.placeholder = this.limit ? String(this.limit) : "";
     this.find.disabled = !bounded;
     this.problem.textContent = bounded
       ? ""
       : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
     if (!isSettled(state)) return;
-    const budget = JSON.stringify(state.now.budget);
+    const budget = JSON.stringify([state.now.budget, this.limit]);
     if (budget === this.last) return;
     this.last = budget;
     this.answer.replaceChildren();
     this.offer();
   }
 
+  /** The goal that is typed, or else the limit, um. */
+  private get goal(): number {
+    return Number(this.input.value) || this.limit;
+  }
+
   /** In the review: the search takes seconds, and waits for a hand. */
   private offer(): void {
-    const goal = Number(this.input.value);
-    if (!this.bounded) this.tell("tighten", "No error of this machine is bounded.");
-    else if (!(goal > 0)) this.tell("tighten");
-    else
-      this.tell(
-        "tighten",
-        button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
-      );
+    const { goal, first } = this;
+    if (!this.bounded)
+      return this.tell("tighten", {
+        words: "No bound",
+        mark: "open",
+        why: ["No error of this machine is bounded: values are corrected, not tightened."],
+      });
+    if (this.isHeld && !Number(this.input.value))
+      return this.tell("tighten", { words: "Nothing", mark: "yes", why: ["The limit is held."] });
+    if (goal > 0)
+      return this.tell("tighten", {
+        words: button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
+      });
+    if (!first) return this.tell("tighten");
+    const name = make("span", { "data-error": first.error, tabindex: "0" }, first.error);
+    const share = [figure("answer-tighten-first", first.um_of_p95, "µm"), " of the figure"];
+    this.tell("tighten", { words: name, figure: share, why: ["First; a limit or a goal gives the cost."] });
   }
 
   private ask(): void {
-    if (this.bounded && Number(this.input.value) > 0) void this.asking.do(() => this.found());
+    if (this.bounded && this.goal > 0) void this.asking.do(() => this.found());
   }
 
   private async found(): Promise<void> {
-    const goal_mm = Number(this.input.value) * 1e-3;
+    const goal_mm = this.goal * 1e-3;
     this.find.disabled = true;
     this.answer.textContent = "Machines are drawn …";
     const [answer] = await this.session.ask([{ budget: { goal_mm } }]).catch(() => [null]);
     this.find.disabled = !this.bounded;
     const goal = accepted<{ goal: ToleranceGoal }>(answer)?.goal;
     this.answer.replaceChildren(...(goal ? this.shown(goal) : refusal(answer as Refusal | null)));
-    this.tell("tighten", ...(goal ? tightened(goal) : ["The goal is not reached: see Tighten."]));
+    this.tell("tighten", goal ? tightened(goal) : { words: "Out of reach", mark: "no", why: ["See Tighten."] });
   }
 
   private shown(goal: ToleranceGoal): HTMLElement[] {
@@ -107,7 +133,7 @@ export class Tighten {
         `${rounded(of.um_of_p95)} µm`,
       );
     });
-    const list = table(["Error", "is", "new", "in the 95 %"], rows);
+    const list = table(["Error", "is", "new", "part of the figure"], rows);
     const csv = () => download.csv("tolerances", [["error", "unit", "old", "new", "um_of_p95"], ...listed(goal)]);
     const write = button("Write into the file", () => this.write(goal), { class: "primary", id: "write-tolerances" });
     const kept = make("p", { class: "words" }, `${tolerances.length - changed.length} tolerances stay as they are.`);
@@ -125,12 +151,14 @@ export class Tighten {
 }
 
 /** The errors whose bounds become finer, those that change most first, and the cost. */
-function tightened(goal: ToleranceGoal): (Node | string)[] {
+function tightened(goal: ToleranceGoal): Answer {
   const finer = goal.tolerances.filter((of) => of.new < of.old).sort((a, b) => a.new / a.old - b.new / b.old);
-  const names = finer.slice(0, 3).map((of) => `${of.error} to ${rounded(of.new)} ${of.unit.replace("u", "µ")}`);
-  const more = finer.length > 3 ? ` and ${finer.length - 3} more` : "";
   const cost = `cost ${priceOf(goal)}`;
-  return finer.length ? [`${names.join(", ")}${more}; ${cost}.`] : [`Nothing: the goal is met; ${cost}.`];
+  if (!finer.length) return { words: "Nothing", mark: "yes", why: [`The goal is met; ${cost}.`] };
+  const [first, ...others] = finer.map((of) => `${of.error} to ${rounded(of.new)} ${of.unit.replace("u", "µ")}`);
+  const more = others.length > 2 ? ` and ${others.length - 2} more` : "";
+  const also = others.length ? `Also ${others.slice(0, 2).join(", ")}${more}. ` : "";
+  return { words: first ?? "", mark: "no", figure: [cost], why: [`${also}Then ${rounded(goal.proof_um.value)} µm.`] };
 }
 
 const changes = (of: ToleranceGoal["tolerances"][number]) => of.new !== of.old;

@@ -1,8 +1,9 @@
-/** The first thing a review looks at: the 95 % value, its band, and whether it is within the limit. */
+/** The first thing a review looks at: the figure over the job or the volume, its band, and whether it is within the
+ * limit. */
 
-import type { Work } from "../evaluator/types";
-import { type Findings, isSettled, type State } from "../session";
-import { make } from "../ui/dom";
+import type { Over } from "../evaluator/types";
+import type { Findings, State } from "../session";
+import { button, make } from "../ui/dom";
 import { move, place } from "../ui/address";
 import { counted, difference, figure, pair, rounded } from "./number";
 
@@ -14,12 +15,63 @@ export interface Deciding {
   words: string;
   /** Where the interval comes from; empty without one. */
   source: string;
-  /** Number of poses of which the worst counts, where others of the volume may be worse. */
-  worstOf?: number;
+  /** Why no limit is held, whatever the figure: in words. */
+  undecided?: string;
+  /** The limit that the job states, um, with the verdict of the program. */
+  limit?: { um: number; held: boolean | null };
 }
 
-/** Of a machine that is measured the 95 % value over the volume; of one that is only bounded that of the budget. */
+/** What figures are over, in few words. */
+export function scopeOf(over: Over | undefined): string {
+  if (over?.kind !== "job") return "over the volume";
+  const poses = `${over.reached < over.poses ? `${counted(over.reached)} of ` : ""}${counted(over.poses)}`;
+  return `over the job: ${poses} tool poses, ${referenceOf(over)}`;
+}
+
+/** True for figures over a job. */
+export const isOverJob = (of: Findings | null): boolean => of?.map?.over.kind === "job";
+
+function referenceOf({ reference, minimum_zone }: Over): string {
+  const words = { machine: "machine coordinates", zero: "zero", datum: "datum", "best-fit": "best fit" };
+  const known =
+    reference in words ? words[reference as keyof typeof words] : "machine coordinates less what is not held";
+  return minimum_zone ? "minimum zone" : known;
+}
+
+/** Over a job the figure that its limit judges: the largest deviation, of machines that are drawn that of 95 % of them. */
+function ofJob({ map, budget }: Findings & { map: NonNullable<Findings["map"]> }): Deciding | null {
+  const { limit, over } = map;
+  const missed = over.poses - over.reached;
+  const undecided = missed ? { undecided: `${missed} of ${over.poses} tool poses are out of reach` } : {};
+  const p95 = budget?.position_um.monte_carlo.percentiles["p95"];
+  const drawn = limit ? limit.drawn : (map.from === "bounds" || !!map.bounds_add) && !!p95;
+  const judged = limit ? { limit: { um: limit.limit_um, held: limit.held } } : {};
+  if (drawn) {
+    const value = limit?.um ?? p95?.value;
+    if (value === undefined) return null;
+    const band = limit ? (limit.interval_um ?? null) : p95 ? ([p95.low, p95.high] as [number, number]) : null;
+    const words = "95 of 100 machines built to these tolerances stay within this at every tool pose of the job.";
+    const source = `interval of ${counted(budget?.samples ?? 0)} drawn machines, at all tool poses of the job`;
+    return { value, band, words, source, ...undecided, ...judged };
+  }
+  const band = limit ? limit.interval_um : map.uncertainty?.position_um.max;
+  return {
+    value: limit?.um ?? map.position_um.max,
+    band: band ?? null,
+    words: "Largest deviation at the tool poses of the job: functional point, actual minus nominal.",
+    source: band
+      ? "interval by the uncertainties of the file"
+      : "The file states no uncertainties, so no interval is known.",
+    ...undecided,
+    ...judged,
+  };
+}
+
+/** Over a job what its limit judges. Over the volume, of a machine that is measured, the value that 95 % of poses keep;
+ * of one that is only bounded that of the budget. */
 export function deciding(of: Findings): Deciding | null {
+  const { map, sources, budget } = of;
+  if (map && isOverJob(of)) return sources?.errors.length || budget ? ofJob({ ...of, map }) : null;
   if (of.map && of.sources?.errors.length) return measured(of.map);
   const drawn = of.budget?.position_um.monte_carlo.percentiles["p95"];
   if (!drawn || !of.budget) return null;
@@ -27,59 +79,71 @@ export function deciding(of: Findings): Deciding | null {
     value: drawn.value,
     band: [drawn.low, drawn.high],
     words: `95 of 100 machines built to these tolerances deviate less than this, ${STATISTICS[of.budget.statistic]?.(counted(of.budget.poses)) ?? of.budget.statistic}. Nothing of this machine is measured.`,
-    source: `interval of ${counted(of.budget.samples)} drawn machines, at these poses`,
-    ...(of.budget.statistic === "max" ? { worstOf: of.budget.poses } : {}),
+    source: `interval of ${counted(of.budget.samples)} drawn machines`,
   };
 }
 
 /** Of a number of poses of the volume: its corners, and random ones. */
 const STATISTICS: Record<string, (poses: string) => string> = {
-  max: (poses) => `at the worst of ${poses} poses in the volume, corners and random ones`,
+  max: (poses) => `at the worst of ${poses} poses in the volume, and at the same with linear axes at their ends`,
   p95: (poses) => `at 95 % of ${poses} poses in the volume, corners and random ones`,
   rms: (poses) => `in the root mean square over ${poses} poses in the volume, corners and random ones`,
   mean: (poses) => `on average over ${poses} poses in the volume, corners and random ones`,
 };
 
 function measured(map: NonNullable<Findings["map"]>): Deciding {
-  const band = map.uncertainty?.position_um.p95 ?? null;
+  const stated = map.uncertainty?.position_um.p95 ?? null;
+  const value = map.position_um.p95;
+  // The poses are some of the volume: others have another value.
+  const { low, high } = map.p95_over_volume ?? {};
+  const [less, more] = [Math.min(0, (low ?? value) - value), Math.max(0, (high ?? value) - value)];
+  const [from, to] = stated ?? [value, value];
+  const isKnown = stated !== null || (typeof low === "number" && typeof high === "number");
   return {
-    value: map.position_um.p95,
-    band,
+    value,
+    band: isKnown ? [Math.max(0, from + less), to + more] : null,
     words: `95 % of ${counted(map.poses)} random poses in the volume deviate less than this: functional point, actual minus nominal, in machine coordinates.`,
-    source: band
-      ? "interval by the uncertainties of the file, at these poses; other poses differ"
-      : "The file states no uncertainties, so no interval is known.",
+    source: stated
+      ? "interval by the uncertainties of the file and by the choice of poses"
+      : isKnown
+        ? "interval by the choice of poses; the file states no uncertainties"
+        : "The file states no uncertainties, so no interval is known.",
   };
 }
 
 export class Verdict {
-  /** The figures over the part, above those over the volume. */
-  readonly job = make("div", { id: "job" });
+  private last: State | null = null;
 
-  constructor(private readonly parent: HTMLElement) {}
+  constructor(
+    private readonly parent: HTMLElement,
+    /** True if there is a part besides the volume. */
+    private readonly hasPart: () => boolean,
+    /** Hears that figures are to be over the other one. */
+    private readonly turned: () => void,
+  ) {}
 
-  /** The part is another one; null without one. */
-  over(work: Work | null): void {
-    this.job.replaceChildren(...(work ? overJob(work) : []));
+  /** There is a part, or none. */
+  again(): void {
+    if (this.last) this.show(this.last);
   }
 
   show(state: State): void {
-    this.job.classList.toggle("stale", !isSettled(state));
+    this.last = state;
     const now = state.now && deciding(state.now);
-    if (!now) return this.parent.replaceChildren(this.job, ...this.nothing(state));
+    if (!now) return this.parent.replaceChildren(...this.scope(), ...this.nothing(state));
     const kept = state.kept && deciding(state.kept);
     const band = now.band
       ? make("p", { class: "band" }, `${rounded(now.band[0])} to ${rounded(now.band[1])} µm: ${now.source}`)
       : make("p", { class: "band" }, now.source);
     this.parent.classList.toggle("stale", state.stale);
-    const title = "Error of the machine over its volume";
+    const title = `Error ${scopeOf(state.now?.map?.over)}`;
     this.parent.replaceChildren(
-      this.job,
-      make("h2", {}, state.stale ? `${title}, before the last edit` : title),
+      ...this.scope(),
+      make("h2", { id: "scope" }, state.stale ? `${title}, before the last edit` : title),
       make(
         "p",
         { class: "headline" },
-        figure("p95", now.value, "µm"),
+        figure(isOverJob(state.now) ? "job" : "p95", now.value, "µm"),
         " ",
         difference(pair(now.value, kept?.value), "µm"),
       ),
@@ -89,8 +153,26 @@ export class Verdict {
     );
   }
 
+  /** The switch between job and volume, where there is a job. */
+  private scope(): HTMLElement[] {
+    if (!this.hasPart()) return [];
+    const isVolume = place().over === "volume";
+    const one = (words: string, over: string, id: string) =>
+      button(words, () => (move({ over }), this.turned()), {
+        id,
+        "aria-pressed": String((over === "volume") === isVolume),
+      });
+    return [make("p", { class: "choice" }, one("Job", "", "over-job"), one("Volume", "volume", "over-volume"))];
+  }
+
   private nothing(state: State): HTMLElement[] {
     const code = (words: string) => make("code", {}, words);
+    const refused = state.now?.refused ?? [];
+    if (refused.length && !state.stale)
+      return [
+        make("h2", {}, "No figure over the job"),
+        ...refused.map((reason) => make("p", { class: "refused" }, `${reason}.`)),
+      ];
     const words = state.stale
       ? ["The file is refused: see the marks in the editor."]
       : [
@@ -107,7 +189,7 @@ export class Verdict {
     return [make("h2", {}, "Error of the machine"), make("p", { class: "words" }, ...words)];
   }
 
-  /** Pass or fail against the limit in the address. */
+  /** Pass or fail of the headline against the limit in the address, or else that of the job. */
   private limit(of: Deciding): HTMLElement {
     const input = make("input", {
       type: "number",
@@ -115,47 +197,21 @@ export class Verdict {
       step: "any",
       id: "limit",
       value: place().limit,
-      placeholder: "none",
+      placeholder: of.limit ? String(of.limit.um) : "none",
     });
     const answer = make("strong", {});
     const judge = () => {
-      const limit = Number(input.value);
-      const known = input.value !== "" && limit > 0;
-      answer.textContent = known ? verdict(of, limit) : "";
-      answer.className = known ? `verdict-${verdict(of, limit).split(/[ ,]/)[0]?.toLowerCase()}` : "";
+      const found = verdict(of, input.value);
+      answer.textContent = found;
+      answer.className = found ? `verdict-${found.split(/[ :,]/)[0]?.toLowerCase()}` : "";
     };
     input.addEventListener("input", () => {
       move({ limit: input.value });
       judge();
     });
     judge();
-    return make(
-      "p",
-      { class: "limit" },
-      make("label", { for: "limit" }, "Limit over the volume"),
-      input,
-      " µm ",
-      answer,
-    );
+    return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, " µm ", answer);
   }
-}
-
-/** The figure over the part, with the verdict of the limit that its job states. */
-function overJob({ map, over, limit }: Work): HTMLElement[] {
-  const drawn = map.bounds?.position_um.monte_carlo.p95;
-  const held = map.limit?.held;
-  const verdict = held ? "passes" : held === false ? "fails" : "open";
-  const judged = limit
-    ? [make("strong", { class: `verdict-${verdict}`, id: "job-limit" }, inMicrometres(limit)), " "]
-    : [];
-  const of = drawn === undefined ? " at most over the job. " : " or less over the job on 95 % of machines. ";
-  const value = figure("job", drawn ?? map.position_um.max, "µm");
-  return [make("p", { class: "words", id: "job-over", title: over }, make("strong", {}, value), of, ...judged)];
-}
-
-/** A sentence of the program with the unit as the page writes it, and a capital letter. */
-function inMicrometres(words: string): string {
-  return words.charAt(0).toUpperCase() + words.slice(1).replaceAll(" um", " µm");
 }
 
 /** What is only a draft says so. */
@@ -164,11 +220,20 @@ function draft({ effort, now }: State): string {
   return now?.map?.from === "bounds" ? ` Draft: ${effort.samples} drawn machines.` : ` Draft: ${effort.poses} poses.`;
 }
 
-/** A limit within the band decides nothing. */
-export function verdict(of: Deciding, limit: number): string {
+/** The verdict on the limit that is typed (um), or else on that of the job; empty without one. A limit within the band
+ * decides nothing. */
+export function verdict(of: Deciding, typed: string): string {
+  const own = of.limit;
+  const limit = typed === "" && own ? own.um : Number(typed);
+  if (!(limit > 0)) return "";
   const [low, high] = of.band ?? [of.value, of.value];
-  const poses = of.worstOf ? ` at these ${counted(of.worstOf)} poses; others may be worse` : "";
-  if (high <= limit) return `Passes by ${rounded(limit - of.value)} µm${poses}`;
-  if (low > limit) return `Fails by ${rounded(of.value - limit)} µm`;
-  return "Open: the limit lies within the band";
+  const fails = `Fails by ${rounded(of.value - limit)} µm`;
+  if (own && limit === own.um) {
+    if (own.held === false) return fails;
+    if (own.held === null && high <= limit)
+      return `Open: ${of.undecided ?? "errors without value or bound, or left out, could turn it"}`;
+  }
+  if (low > limit) return fails;
+  if (high > limit) return "Open: the limit lies within the band";
+  return of.undecided ? `Open: ${of.undecided}` : `Passes by ${rounded(limit - of.value)} µm`;
 }

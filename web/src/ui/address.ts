@@ -3,8 +3,10 @@
 export interface Place {
   /** Name of the example. */
   example: string;
-  /** Limit of the 95 % value, um; empty without. */
+  /** Limit of the headline, um; empty without. */
   limit: string;
+  /** `volume` where figures are over the volume in spite of a part. */
+  over: string;
   /** Name of the tool; empty for the first of the file. */
   tool: string;
   /** Pose, `X=250,C=90`. */
@@ -15,12 +17,14 @@ export interface Place {
   work: string;
   /** Name of the control. */
   target: string;
-  /** Goal of the 95 % value, um. */
+  /** Goal of the value that 95 % of machines keep, um. */
   goal: string;
   /** Field around the pose: `all`, or the axis across which a slice lies. */
   field: string;
   /** Axis of the curve. */
   along: string;
+  /** The pane of the editor: `folded`, `wrapped`, its width in pixels. */
+  pane: string;
   /** Picture beside the machine. */
   beside: string;
 }
@@ -31,6 +35,7 @@ export function place(): Place {
   return {
     example: of("example"),
     limit: of("limit"),
+    over: of("over"),
     tool: of("tool"),
     pose: of("pose"),
     view: of("view"),
@@ -39,6 +44,7 @@ export function place(): Place {
     field: of("field"),
     along: of("along"),
     beside: of("beside"),
+    pane: of("pane"),
     goal: of("goal"),
   };
 }
