@@ -25,7 +25,7 @@ const LONGER: [(&str, usize); 49] = [
     ("docs/formats/designs.md", 3),
     ("docs/formats/jobs.md", 17),
     ("docs/formats/json.md", 5),
-    ("docs/formats/maps.md", 3),
+    ("docs/formats/maps.md", 4),
     ("docs/formats/measurements.md", 1),
     ("docs/formats/sets.md", 9),
     ("docs/formats/tool-poses.md", 7),
