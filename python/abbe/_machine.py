@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union
@@ -201,8 +202,20 @@ class Machine(Verbs):
         of shape (N, 3) in column order to write into, such as the result of a call before: new memory takes time.
         """
         positions = self._positions(poses)
+        self._warn_of_radians(positions)
         native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads), out)
         return Deviations(*native)
+
+    def _warn_of_radians(self, positions: Any) -> None:
+        """Warns of rotary columns of a sweep that look like radians: positions are in deg."""
+        columns = positions if isinstance(positions, list) else list(positions.T)
+        for name, column in zip(self.axis_names, columns, strict=False):
+            if self.axes[name].kind != "rotary" or column.size < 20:
+                continue
+            low, high = float(column.min()), float(column.max())
+            if high - low > 3 and max(high, -low) <= 2 * np.pi:
+                words = f"the column {name!r} turns by more than 3 and ends before 2 pi: are these radians?"
+                warnings.warn(f"{words} Positions of rotary axes are in deg.", stacklevel=3)
 
     def _positions(self, poses: Poses) -> Any:
         names = _column_names(poses)

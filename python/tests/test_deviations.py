@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -145,3 +146,23 @@ def test_what_does_not_fit_is_refused() -> None:
         assert refused.value.code == code
     with pytest.raises(abbe.DiagnosticError, match="option `order`: `7`"):
         machine.deviations(np.zeros((1, 5)), order=7)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "count", "warned"),
+    [(0, 6.28, 25, True), (-3.1, 3.1, 20, True), (0, 6.28, 19, False), (0, 360, 25, False), (0, 2.9, 25, False)],
+)
+def test_sweeps_that_look_like_radians_are_asked_about(low: float, high: float, count: int, warned: bool) -> None:
+    machine = abbe.load(CONFIGS / "trunnion.yaml")
+    turn = np.linspace(low, high, count)
+    poses = np.zeros((count, len(machine.axis_names)), order="F")
+    poses[:, machine.axis_names.index("C")] = turn
+    for given in (poses, {"C": turn, "X": 100}):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            machine.deviations(given)
+        assert sum("radians" in str(one.message) for one in caught) == (1 if warned else 0)
+        assert all(one.filename == __file__ for one in caught if "radians" in str(one.message))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        machine.deviations({"X": np.linspace(0, 6, 25)})

@@ -81,6 +81,8 @@ pub struct WithheldVerdict {
 pub struct ComparedBudget {
     /// Number of bounded errors.
     pub errors: usize,
+    /// Number of these that the class bounds; the machine file bounds the others.
+    pub errors_by_class: usize,
     /// The position deviation, um.
     pub position_um: DeviationBudget,
     /// The rotation of the tool, urad.
@@ -154,6 +156,7 @@ impl ComparedBudget {
         let with_values = ActingValues::of(machine, bounds, own);
         Self {
             errors: bounds.len(),
+            errors_by_class: bounds.iter().filter(|bound| bound.of_class).count(),
             left_out: known(machine) - with_values.map_or(0, |of| of.errors),
             position_um: DeviationBudget::new(machine, &own.position),
             rotation_urad: DeviationBudget::new(machine, &own.rotation),

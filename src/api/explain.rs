@@ -1,4 +1,4 @@
-//! The long text of a diagnostic's code, of an error's name, of a class of machines, of a controller.
+//! The long text of a diagnostic's code, of an error's name, of a class of machines, of a controller, of a word.
 
 use super::targets::{TargetSummary, target};
 use crate::diagnostic::{CODES, Code, Diagnostic, codes, info};
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// An explanation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Explanation {
-    /// The code, error name, class or controller as it is written.
+    /// The code, error name, class, controller or word as it is written.
     pub topic: String,
     /// The explanation, Markdown.
     pub text: String,
@@ -26,24 +26,44 @@ impl Explanation {
     }
 }
 
-/// Explains a code such as E0203, an error such as EC0Y, a class such as production, or a controller such as linuxcnc.
+/// Explains a code such as E0203, an error such as EC0Y, a class such as production, a controller such as linuxcnc, or
+/// a word such as gauge.
 /// Fails for other words.
 pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
     let code = info(topic).map(Explanation::of_code);
     code.or_else(|| class(topic))
         .or_else(|| target(topic).map(Explanation::of_target))
         .or_else(|| error_name(topic))
+        .or_else(|| word(topic))
         .ok_or_else(|| {
             let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
+            let headings: Vec<String> = entries().map(|(heading, _)| heading.to_lowercase()).collect();
             let message = format!(
-                "`{}` is no code, error name, class or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. \
-             Classes: {}. Targets: `abbe targets`.",
+                "`{}` is no code, error name, class, target or word.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the \
+                 like. Classes: {}. Targets: `abbe targets`.\nWords: {}.",
                 topic.escape_debug(),
                 codes.join(" "),
-                CLASS_NAMES.join(", ")
+                CLASS_NAMES.join(", "),
+                headings.join(", ")
             );
             Diagnostic::new(codes::E0818, message)
         })
+}
+
+/// Headings and texts of the glossary.
+fn entries() -> impl Iterator<Item = (&'static str, &'static str)> {
+    include_str!("../../docs/words.md").split("\n## ").skip(1).filter_map(|entry| entry.split_once("\n\n"))
+}
+
+/// An entry of the glossary, by its heading or a word of it.
+fn word(what: &str) -> Option<Explanation> {
+    let asked = what.to_lowercase();
+    let is_asked = |heading: &str| {
+        let heading = heading.to_lowercase();
+        heading == asked || heading.split(' ').any(|word| word == asked && word != "and")
+    };
+    let (heading, text) = entries().find(|(heading, _)| is_asked(heading))?;
+    Some(Explanation { topic: heading.to_owned(), text: format!("{heading}\n\n{}", text.trim_end()) })
 }
 
 /// The numbers of a class, as a machine file has them.

@@ -207,6 +207,11 @@ impl MachineFile {
         report::chain_picture(self)
     }
 
+    /// Returns a drawing of the zero pose in three views.
+    pub fn zero_pose_picture(&self) -> Picture {
+        report::zero_pose_picture(self)
+    }
+
     /// Returns the kinematic chain as a graph for Graphviz.
     pub fn chain_dot(&self) -> String {
         report::chain_dot(self)

@@ -15,6 +15,9 @@ pub(crate) struct Global {
     /// No warnings, no progress.
     #[arg(long, global = true, help_heading = GLOBAL)]
     pub(crate) quiet: bool,
+    /// Lines and tables of text as wide as they are, instead of 80 and 100 columns.
+    #[arg(long, global = true, help_heading = GLOBAL)]
+    pub(crate) wide: bool,
     /// Number of threads (1 to 1024) [default: RAYON_NUM_THREADS, or one for each processor]. Results do not depend on
     /// it.
     #[arg(long, global = true, help_heading = GLOBAL, value_name = "N",

@@ -67,7 +67,7 @@ pub(super) struct CompensationArgs {
     #[arg(long, value_name = "A=AX6,C=AX7", value_delimiter = ',')]
     map: Vec<String>,
     /// Scales of drives in force when the machine was measured: steps in a mm (M92, $100), or mm in a turn
-    /// (rotation_distance) [default: what the settings in --installed say; without any no scale is written].
+    /// (rotation_distance) [default: those of --installed, else no scale is written].
     #[arg(long, value_name = "X=80,Y=80", value_delimiter = ',')]
     scale: Vec<String>,
     /// True in the resource-limited child that renders user templates.

@@ -35,8 +35,8 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, ClampedTool, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, Parameter,
-    ParameterTerm, PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters,
+    BasisFunction, ClampedTool, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, NEEDED,
+    Parameter, ParameterTerm, PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters,
     parameters_for, parse_gauge, parse_prior, slope_bounds, type_b, unused_entries, with_command_line,
 };
 pub(crate) use solve::both_tails;

@@ -40,10 +40,14 @@ pub struct Over {
 /// Columns of a terminal.
 const COLUMNS: usize = 80;
 
-/// Returns a sentence in lines for a terminal of 80 columns, all but the first indented.
+/// Longest text in brackets that stays in one line.
+const MAX_IN_BRACKETS: usize = 44;
+
+/// Returns a sentence in lines for a terminal of 80 columns, all but the first indented further.
 pub fn fold(sentence: &str) -> String {
     let mut lines = vec![String::new()];
     let mut depth = 0_usize;
+    let indent = " ".repeat(sentence.len() - sentence.trim_start_matches(' ').len() + 2);
     // What stands in brackets, such as a point, stays in one line.
     let ends_word = |c: char| {
         match c {
@@ -53,9 +57,13 @@ pub fn fold(sentence: &str) -> String {
         }
         c == ' ' && depth == 0
     };
-    for word in sentence.split(ends_word) {
+    let split = |whole| {
+        let longest = if str::chars(whole).count() > MAX_IN_BRACKETS { usize::MAX } else { 1 };
+        whole.splitn(longest, ' ')
+    };
+    for word in sentence.split(ends_word).flat_map(split) {
         if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
-            lines.push("  ".to_owned());
+            lines.push(indent.clone());
         }
         lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
     }

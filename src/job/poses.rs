@@ -131,15 +131,46 @@ struct Column {
     factor: f64,
 }
 
+/// Rows from which on a column of small angles is a sweep, not a few places.
+const SWEEP: usize = 20;
+
+/// Warns of columns of rotary axes without a unit whose angles look like radians, once each.
+pub(crate) fn radians<'p>(
+    machine: &Machine,
+    header: &[String],
+    poses: impl Iterator<Item = &'p Pose> + Clone,
+    place: &Option<Place>,
+) -> Vec<Diagnostic> {
+    let is_bare =
+        |axis: &Axis| axis.kind == AxisKind::Rotary && header.iter().any(|cell| *axis.name.as_str() == **cell);
+    let bare = machine.axes().iter().enumerate().filter(|(_, axis)| is_bare(axis));
+    let looks = |column: usize| {
+        let angles = || poses.clone().map(|pose| pose[column]);
+        let [min, max] = [angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max)];
+        angles().count() >= SWEEP && max - min > 3.0 && max.max(-min) <= std::f64::consts::TAU
+    };
+    let warning = |axis: &Axis| {
+        let name = &axis.name;
+        let message = format!("the column `{name}` turns by more than 3 and ends before 2 pi: are these radians?");
+        let help = format!("positions of rotary axes are in deg; say `{name} [rad]` or `{name} [deg]` in the header");
+        Diagnostic::new(codes::W0804, message).at(place.clone(), "").help(help)
+    };
+    bare.filter(|(column, _)| looks(*column)).map(|(_, axis)| warning(axis)).collect()
+}
+
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Refused> {
     let read = read_text(path, None, call.run.files, &mut call.diagnostics);
     let Some((source, text)) = read else { return Err(Refused) };
     let parsed = parse(machine, &text);
-    parsed.or_else(|(line, refusal)| {
+    let (header, poses) = parsed.or_else(|(line, refusal)| {
         let place = Some(line_place(source, &text, line));
         let help = "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg";
         call.refuse(refusal.at(place, "").help(help))
-    })
+    })?;
+    let cells: Vec<String> = text.lines().nth(header).unwrap_or("").split(',').map(|c| c.trim().to_owned()).collect();
+    let place = Some(line_place(source, &text, header));
+    call.extend(radians(machine, &cells, poses.iter(), &place));
+    Ok(poses)
 }
 
 fn line_place(source: SourceId, text: &str, line: usize) -> Place {
@@ -152,12 +183,12 @@ fn wrong(message: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::E0802, message)
 }
 
-/// Returns the poses, or the 0-based line with its refusal.
-fn parse(machine: &Machine, text: &str) -> Result<Vec<Pose>, (usize, Diagnostic)> {
+/// Returns the 0-based line of the header and the poses, or a line with its refusal.
+fn parse(machine: &Machine, text: &str) -> Result<(usize, Vec<Pose>), (usize, Diagnostic)> {
     let data = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
     let mut lines = text.lines().enumerate().filter(|(_, line)| data(line));
-    let (number, header) = lines.next().ok_or((0, wrong("the file has no header")))?;
-    let columns = header_columns(machine, header).map_err(|refusal| (number, refusal))?;
+    let (at, header) = lines.next().ok_or((0, wrong("the file has no header")))?;
+    let columns = header_columns(machine, header).map_err(|refusal| (at, refusal))?;
     let mut poses = Vec::new();
     for (number, line) in lines {
         poses.push(row(machine, &columns, line).map_err(|refusal| (number, refusal))?);
@@ -165,7 +196,7 @@ fn parse(machine: &Machine, text: &str) -> Result<Vec<Pose>, (usize, Diagnostic)
             return Err((number, wrong(format!("more than {MAX_POSES} poses; use `map` for a whole volume"))));
         }
     }
-    if poses.is_empty() { Err((number, wrong("the file has no poses"))) } else { Ok(poses) }
+    if poses.is_empty() { Err((at, wrong("the file has no poses"))) } else { Ok((at, poses)) }
 }
 
 fn header_columns(machine: &Machine, header: &str) -> Result<Vec<Column>, Diagnostic> {

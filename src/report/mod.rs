@@ -8,7 +8,7 @@
 //! - [`BudgetFigures`]: a budget as it stands in JSON, as a Pareto chart and as a waterfall; [`PolarPicture`],
 //!   [`RTestPicture`],
 //!   [`DiagonalPicture`]: what instruments read.
-//! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
+//! - [`chain_picture`], [`chain_dot`], [`zero_pose_picture`]: the kinematic chain.
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
@@ -26,7 +26,7 @@ pub(crate) use pictures::axis_curves;
 pub use pictures::{
     DiagonalPicture, DialMark, DialPanel, FitPicture, FitPoint, LinePanel, LinePicture, Picture, PictureFailure,
     PlacementPicture, PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves,
-    RunPanel, RunPicture, all_curves, before_after, chain_dot, chain_picture,
+    RunPanel, RunPicture, all_curves, before_after, chain_dot, chain_picture, zero_pose_picture,
 };
 pub use rows::{
     RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, cell, structured_grid,

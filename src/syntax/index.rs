@@ -1,6 +1,7 @@
 //! The first pass over the YAML text of a machine file or a job file: duplicate keys, which serde_yaml swallows, what
 //! is not part of the language, and where every entry stands.
 
+use super::causes::{YamlCause, yaml_cause};
 use super::places::{Keys, Places, Spot};
 use super::yaml::{YamlFailure, guard};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
@@ -62,13 +63,15 @@ impl Indexer<'_> {
         while let Some(next) = parser.next_event() {
             let (event, span) = next.map_err(|failure| {
                 let at = self.byte(failure.marker().index());
-                let place = Place { source: self.source, range: at..at };
-                let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
-                Box::new(
-                    Diagnostic::new(codes::E0105, format!("not YAML: {}", failure.info()))
-                        .at(Some(place), "")
-                        .help(help),
-                )
+                let unknown = || YamlCause {
+                    message: failure.info().to_owned(),
+                    range: at..at,
+                    help: "the text is not YAML here; look for a missing quote, bracket or space after `:`".to_owned(),
+                };
+                let YamlCause { message, range, help } = yaml_cause(text, at).unwrap_or_else(unknown);
+                let place = Place { source: self.source, range };
+                let refusal = Diagnostic::new(codes::E0105, format!("not YAML: {message}"));
+                Box::new(refusal.at(Some(place), "").help(help))
             })?;
             self.event(event, self.range(span))?;
         }

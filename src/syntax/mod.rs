@@ -3,6 +3,7 @@
 //! [`load`] reads as the list of its passes: bytes to text, guard and index of places, YAML to a
 //! tree, `extends` merged, then section by section into the typed [`Document`].
 
+mod causes;
 mod disk;
 mod document;
 mod entry;

@@ -31,7 +31,10 @@ pub(super) fn refuse_unknown(
     for keys in bare {
         let name = keys.last().map_or("", String::as_str);
         let refusal = Diagnostic::new(codes::E0202, format!("`{}` stands here without a value", shown(name)));
-        let help = "write decimals with a point, 100.5; `key: ~` removes what a file extends";
+        let help = match name.split_once(' ') {
+            Some((key, value)) => format!("write `{}: {}`, with a colon and a blank", shown(key), shown(value)),
+            None => "write decimals with a point, 100.5; `key: ~` removes what a file extends".to_owned(),
+        };
         diagnostics.push(refusal.at(places.key(&keys), "").help(help));
         places.mar(&keys);
     }

@@ -1,8 +1,9 @@
 //! Bytes to text: refusals of the file itself.
 
 use super::Disk;
+use super::causes::foreign_format;
 use super::files::{Files, ReadFailure};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, nearest, shown};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -14,15 +15,68 @@ pub fn read_text(
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
 ) -> Option<(SourceId, Arc<str>)> {
-    match files.read(path) {
-        Ok(bytes) => {
-            let text = decode(path, bytes, named, diagnostics)?;
-            Some(keep(path, &text, diagnostics))
-        }
-        Err(failure) => {
-            diagnostics.push(unreadable(path, &failure).at(named, ""));
-            None
-        }
+    let bytes = read_bytes(path, named.clone(), Disk::MAX_BYTES, files, diagnostics)?;
+    let text = decode(path, bytes, named, diagnostics)?;
+    Some(keep(path, &text, diagnostics))
+}
+
+/// Reads a table as [`read_text`] does, and refuses files of other programs by name.
+pub(super) fn read_table_text(
+    path: &Path,
+    named: Option<Place>,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<(SourceId, Arc<str>)> {
+    let bytes = read_table_bytes(path, named.clone(), Disk::MAX_BYTES, files, diagnostics)?;
+    let text = decode(path, bytes, named, diagnostics)?;
+    Some(keep(path, &text, diagnostics))
+}
+
+/// Reads the bytes of a table; a file of another program is refused by name.
+pub(super) fn read_table_bytes(
+    path: &Path,
+    named: Option<Place>,
+    limit: u64,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<u8>> {
+    let bytes = read_bytes(path, named.clone(), limit, files, diagnostics)?;
+    let Some(foreign) = foreign_format(path, &bytes) else { return Some(bytes) };
+    let message = format!("`{}` is {}, not a table", shown(&path.display().to_string()), foreign.noun);
+    diagnostics.push(Diagnostic::new(codes::E0104, message).at(named, "").help(foreign.remedy));
+    None
+}
+
+fn read_bytes(
+    path: &Path,
+    named: Option<Place>,
+    limit: u64,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<u8>> {
+    let refusal = match files.read_at_most(path, limit) {
+        Ok(bytes) => return Some(bytes),
+        Err(ReadFailure::NotFound) => missing(path, files),
+        Err(failure) => unreadable(path, &failure),
+    };
+    diagnostics.push(refusal.at(named, ""));
+    None
+}
+
+/// Returns the refusal of a file that is not there, with the name of one beside it that may be meant.
+fn missing(path: &Path, files: &dyn Files) -> Diagnostic {
+    let refusal = unreadable(path, &ReadFailure::NotFound);
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let beside = files.entries(folder);
+    let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
+    let is_yaml = |path: &Path| path.extension().is_some_and(|ending| ending == "yml" || ending == "yaml");
+    let twin = beside.iter().map(|entry| Path::new(&entry.name));
+    let twin = twin.filter(|name| is_yaml(name) && is_yaml(path)).find(|name| stem(name) == stem(path));
+    let asked = path.file_name().unwrap_or_default().to_string_lossy();
+    let near = || nearest(&asked, beside.iter().map(|entry| entry.name.as_str())).map(Path::new);
+    match twin.or_else(near) {
+        Some(near) => refusal.help(format!("there is `{}`", shown(&path.with_file_name(near).display().to_string()))),
+        None => refusal,
     }
 }
 

@@ -3,7 +3,7 @@
 //! Machine files and their own tables are read strictly ([`super::read_table`]); this is for what comes from outside.
 
 use super::files::Files;
-use super::read::{keep, unreadable};
+use super::read::{keep, read_table_bytes};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Failure};
 use std::path::Path;
@@ -45,13 +45,7 @@ pub fn read_named_sheet(
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
 ) -> Option<Sheet> {
-    let bytes = match files.read_at_most(path, MAX_BYTES) {
-        Ok(bytes) => bytes,
-        Err(failure) => {
-            diagnostics.push(unreadable(path, &failure).at(named, ""));
-            return None;
-        }
-    };
+    let bytes = read_table_bytes(path, named.clone(), MAX_BYTES, files, diagnostics)?;
     let Some(text) = decode(bytes) else {
         let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";

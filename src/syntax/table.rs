@@ -4,7 +4,7 @@
 //! comment line; byte order mark, CRLF and blank lines are fine. Nothing else is.
 
 use super::files::Files;
-use super::read::read_text;
+use super::read::read_table_text;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Dimension, Failure};
 use std::ops::Range;
@@ -53,7 +53,7 @@ pub fn read_table(
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
 ) -> Option<CsvTable> {
-    let (source, text) = read_text(path, named, files, diagnostics)?;
+    let (source, text) = read_table_text(path, named, files, diagnostics)?;
     let before = diagnostics.count();
     let table = TableReader { source, text: &text, diagnostics }.table();
     if diagnostics.count() > before { None } else { table }

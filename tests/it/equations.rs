@@ -374,7 +374,8 @@ fn text_is_what_a_person_would_write() {
 }
 
 fn abbe(arguments: &[&str]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).arg("equations").args(arguments).output().unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_abbe")).args(["--wide", "equations"]).args(arguments).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (text(&output.stdout), text(&output.stderr), output.status.code().unwrap())
 }

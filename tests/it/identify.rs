@@ -393,7 +393,7 @@ fn the_ur5_robot_has_rank_27() {
 
 /// Runs the program.
 pub fn run(arguments: &[&str]) -> std::process::Output {
-    std::process::Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).output().unwrap()
+    std::process::Command::new(env!("CARGO_BIN_EXE_abbe")).arg("--wide").args(arguments).output().unwrap()
 }
 
 pub fn json(output: &std::process::Output) -> serde_json::Value {

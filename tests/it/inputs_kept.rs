@@ -43,7 +43,7 @@ const VERBS: [Verb; 23] = [
         name: "show",
         arguments: &["show", "machine.END"],
         inputs: MACHINE,
-        outputs: &["--svg", "--png", "--curves"],
+        outputs: &["--svg", "--png", "--curves", "--zero-pose"],
     },
     Verb {
         name: "map",
@@ -344,7 +344,8 @@ fn no_output_replaces_an_input() {
                 let free = folder.path("free").join(format!("out.{ending}"));
                 std::fs::create_dir_all(free.parent().unwrap()).unwrap();
                 let run = run(&folder, verb, ending, &[option, free.to_str().unwrap()]);
-                let pictures = ["--svg", "--png", "--curves", "--pareto", "--waterfall"].contains(option);
+                let pictures =
+                    ["--svg", "--png", "--curves", "--zero-pose", "--pareto", "--waterfall"].contains(option);
                 assert!(run.code == Some(0) || pictures && ending == "yaml", "{} {option}: {}", verb.name, run.err);
                 std::fs::remove_dir_all(folder.path("free")).unwrap();
             }

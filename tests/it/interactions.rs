@@ -84,7 +84,12 @@ fn effects_sum_to_the_orders_and_bound_what_order_one_neglects() {
 
 fn eval(arguments: &[&str]) -> String {
     let machine = configs::folder().join("trunnion.yaml");
-    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).arg("eval").arg(machine).args(arguments).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_abbe"))
+        .args(["--wide", "eval"])
+        .arg(machine)
+        .args(arguments)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

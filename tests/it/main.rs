@@ -43,6 +43,7 @@ mod every_target;
 mod examples;
 mod faults;
 mod figures;
+mod first_hour;
 mod fits;
 #[cfg(target_os = "linux")]
 mod foreign_folders;
@@ -124,6 +125,7 @@ mod scales;
 mod schema;
 mod second_hour;
 mod second_measurement;
+mod sentences;
 mod short_curves;
 mod show;
 mod sides;

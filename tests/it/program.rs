@@ -31,10 +31,14 @@ impl Drop for Folder {
     }
 }
 
-/// Runs `abbe` in configs/ on this number of threads.
+/// Runs `abbe` in configs/ on this number of threads; text is as wide as it is, so that sentences are found in it.
 pub fn abbe_on(threads: usize, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
-    command.args(arguments).current_dir(crate::configs::folder()).env("RAYON_NUM_THREADS", threads.to_string());
+    command
+        .args(arguments)
+        .arg("--wide")
+        .current_dir(crate::configs::folder())
+        .env("RAYON_NUM_THREADS", threads.to_string());
     command.output().unwrap()
 }
 

@@ -24,8 +24,12 @@ fn machines() -> Folder {
 
 /// Runs the program and asserts that it is content.
 fn succeeds(folder: &Folder, arguments: &[&str]) -> Output {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).current_dir(folder.path("")).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_abbe"))
+        .arg("--wide")
+        .args(arguments)
+        .current_dir(folder.path(""))
+        .output()
+        .unwrap();
     let complaint = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "abbe {}\n{complaint}", arguments.join(" "));
     output

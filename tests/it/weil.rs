@@ -146,7 +146,7 @@ fn newton_over_a_weil_algebra_is_exact() {
 
 /// Runs the program; stderr and exit code.
 fn abbe(arguments: &[&str]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).arg("--wide").args(arguments).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (text(&output.stdout), text(&output.stderr), output.status.code().unwrap())
 }

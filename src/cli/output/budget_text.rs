@@ -1,10 +1,22 @@
 //! Budgets as text: their totals, and tolerances.
 
+use super::view::{hide, table};
 use abbe::results::{ActingValues, Coverage, DeviationBudget, PercentileInterval};
 use abbe::text::{angle, counted, length, significant};
 
-pub(crate) const TOTALS: [&str; 9] =
+const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
+
+/// Columns of these that only `--wide` shows.
+const TOTALS_WIDE: [usize; 3] = [3, 5, 6];
+
+/// Returns the table of totals with these rows.
+pub(crate) fn totals(rows: Vec<Vec<String>>) -> comfy_table::Table {
+    let mut totals = table(&TOTALS);
+    let _ = totals.add_rows(rows);
+    hide(&mut totals, &TOTALS_WIDE);
+    totals
+}
 
 pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";

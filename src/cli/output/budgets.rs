@@ -1,18 +1,19 @@
 //! Budgets of several machines on the same work: for `compare`.
 
-use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row, values_text};
+use super::budget_text::{TOTALS_NOTE, totals, totals_row, values_text};
 use super::ranking::difference;
-use super::view::{errors_more, table, table_of_machines};
+use super::view::{errors_more, table_of_machines};
 use abbe::results::{ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
-    let mut rows = table(&TOTALS);
+    let mut rows = Vec::new();
     for (i, budget) in of.machines.iter().enumerate() {
-        let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position_um));
-        let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation_urad));
+        rows.push(totals_row(&format!("{} position, um", i + 1), &budget.position_um));
+        rows.push(totals_row("  rotation, urad", &budget.rotation_urad));
     }
+    let rows = totals(rows);
     let named = |budget: &ComparedBudget| budget.class.as_deref().unwrap_or("none").to_owned();
     let class = match (&of.drawing.class, &of.drawing.class_source) {
         (Some(name), Some(source)) => format!(", class {name} ({source})"),

@@ -169,9 +169,7 @@ impl CertificateView<'_> {
         if ways.is_empty() {
             return String::new();
         }
-        let mut table = comfy_table::Table::new();
-        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
-        let _ = table.set_header(["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
+        let mut table = table(&["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
         for way in ways {
             let programmed = match way.tool_direction {
                 ToolDirection::Vector => "tool vectors",

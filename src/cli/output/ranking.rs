@@ -1,7 +1,7 @@
 //! The result of `enumerate` as text and CSV.
 
 use super::budget_text::{coverage_line, values_text};
-use super::view::table;
+use super::view::{hide, table};
 use abbe::options::{JudgedBy, Statistic};
 use abbe::results::{
     Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, ReachedToolPoses, Verdict,
@@ -251,6 +251,9 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
         }
         let _ = list.add_row(cells);
     }
+    let wide: Vec<usize> =
+        (0..header.len()).filter(|i| ["minus file's, um", "minus rank 1, um"].contains(&header[*i])).collect();
+    hide(&mut list, if numbered { &wide[..] } else { &[] });
     format!("{list}\n")
 }
 

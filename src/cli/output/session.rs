@@ -1,6 +1,7 @@
 //! One run of the program: its options, its diagnostics, and its two output streams.
 
 use super::progress::StageProgress;
+use super::view::{folded, set_wide};
 use crate::cli::store::files::Recorded;
 use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
@@ -34,6 +35,9 @@ pub(crate) struct Session {
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
         let bar = StageProgress::new(global.quiet);
+        if global.wide {
+            set_wide();
+        }
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
         let files = Rc::new(Recorded::within(global.confined.as_deref()));
         let (diagnostics, output_lost) = (Diagnostics::default(), Cell::new(None));
@@ -133,7 +137,7 @@ impl Session {
         match self.format() {
             Format::Json => self.print_json(json!(result)),
             Format::Csv => self.print(&csv()),
-            Format::Text => self.print(&text()),
+            Format::Text => self.print(&folded(&text())),
         }
         Ok(())
     }

@@ -4,7 +4,8 @@ use abbe::options::{Frame, Order};
 use abbe::results::{
     LimitVerdict, MissedToolPose, NeededTravel, PathPole, PathResult, PathRewind, ReachedToolPoses, Statistics, Summary,
 };
-use abbe::text::{UnknownOrder, shown, significant};
+use abbe::text::{UnknownOrder, fold, shown, significant};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(crate) use abbe::text::axes_text;
 
@@ -123,9 +124,44 @@ pub(crate) fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
+/// Columns of a line of text, and of a table.
+const LINE: usize = 80;
+const TABLE: u16 = 100;
+
+/// True for text as wide as it is (`--wide`).
+static WIDE: AtomicBool = AtomicBool::new(false);
+
+/// Lets text be as wide as it is.
+pub(crate) fn set_wide() {
+    WIDE.store(true, Ordering::Relaxed);
+}
+
+/// Returns a text whose lines are folded, but for those of tables, which are narrow already, and of code.
+pub(crate) fn folded(text: &str) -> String {
+    let is_code = |line: &str| line.contains(": {") || line.starts_with("    ") && !line[4..].starts_with(' ');
+    let is_long = |line: &str| line.chars().count() > LINE && !line.starts_with('|') && !is_code(line);
+    let fits = |line: &str| WIDE.load(Ordering::Relaxed) || !is_long(line);
+    text.lines().map(|line| if fits(line) { format!("{line}\n") } else { fold(line) }).collect()
+}
+
+/// Hides columns of a table, by their index, that do not fit beside the others; `--wide` shows them.
+pub(crate) fn hide(table: &mut comfy_table::Table, columns: &[usize]) {
+    if WIDE.load(Ordering::Relaxed) {
+        return;
+    }
+    for column in columns {
+        if let Some(column) = table.column_mut(*column) {
+            let _ = column.set_constraint(comfy_table::ColumnConstraint::Hidden);
+        }
+    }
+}
+
 pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);
+    if !WIDE.load(Ordering::Relaxed) {
+        let _ = table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic).set_width(TABLE);
+    }
     table
 }
 

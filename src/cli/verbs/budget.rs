@@ -6,7 +6,7 @@ use crate::cli::arguments::{
     help, svg,
 };
 use crate::cli::output::budget_text::{
-    TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row, values_text,
+    TOTALS_NOTE, coverage_line, short, tolerance_text, totals, totals_row, values_text,
 };
 use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
@@ -213,12 +213,9 @@ impl BudgetText<'_> {
     }
 
     fn totals_table(&self) -> String {
-        let mut rows = table(&TOTALS);
         let budget = &self.result.budget;
-        for (name, t) in [("position, um", &budget.position_um), ("rotation, urad", &budget.rotation_urad)] {
-            let _ = rows.add_row(totals_row(name, t));
-        }
-        format!("{rows}\n{TOTALS_NOTE}\n")
+        let both = [("position, um", &budget.position_um), ("rotation, urad", &budget.rotation_urad)];
+        format!("{}\n{TOTALS_NOTE}\n", totals(both.map(|(name, t)| totals_row(name, t)).to_vec()))
     }
 
     fn pareto_table(&self) -> String {

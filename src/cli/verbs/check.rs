@@ -3,6 +3,7 @@
 use crate::cli::output::bands;
 use crate::cli::output::budget_text::coverage_line;
 use crate::cli::output::session::Session;
+use crate::cli::output::view::folded;
 use crate::cli::{Exit, Format, Outcome};
 use abbe::results::{AxisSummary, CheckedFile, ErrorCounts};
 use abbe::results::{ErrorId, ErrorTerm, Travel};
@@ -46,7 +47,7 @@ fn print(session: &Session, checked: &[CheckedFile]) {
         (Format::Json, several) => session.print_document(json!(several)),
         (Format::Csv, [CheckedFile { machine: Some(machine), .. }]) => session.print(&csv(machine)),
         (Format::Csv, several) => session.print(&csv_of_several(several)),
-        (Format::Text, files) => session.print(&files.iter().map(text).collect::<Vec<_>>().join("\n")),
+        (Format::Text, files) => session.print(&folded(&files.iter().map(text).collect::<Vec<_>>().join("\n"))),
     }
 }
 

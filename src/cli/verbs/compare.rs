@@ -11,7 +11,7 @@ use crate::cli::output::view::{
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::results::{
-    BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, OverKind, Statistics,
+    BoundedDeviation, CompareResult, ComparedBudget, ComparedMachine, Difference, MachineVerdict, OverKind, Statistics,
 };
 use abbe::text::{cell, fold, significant};
 use abbe::{CompareOptions, compare};
@@ -156,7 +156,8 @@ fn sources(result: &CompareResult) -> String {
 }
 
 fn text(args: &Args, result: &CompareResult) -> String {
-    let mut text = format!(
+    let mut text = verdicts(result) + &bounds_sources(result);
+    text += &format!(
         "{}{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.text(),
         result.asked,
@@ -189,8 +190,8 @@ fn text(args: &Args, result: &CompareResult) -> String {
     let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.top));
     let errors = one_by_one(result, args.top.top);
     let reach = uncertainty(result) + &reach;
-    let verdicts = best_fit(result) + &verdicts(result);
-    format!("{text}{rows}\n{reach}{errors}{budgets}{verdicts}Negative differences: less error than machine 1.\n")
+    let best_fit = best_fit(result);
+    format!("{text}{rows}\n{reach}{errors}{budgets}{best_fit}Negative differences: less error than machine 1.\n")
 }
 
 /// The figures without the best fit of each machine.
@@ -207,20 +208,35 @@ fn best_fit(result: &CompareResult) -> String {
 
 /// The verdict on each machine, or the reason why there is none.
 fn verdicts(result: &CompareResult) -> String {
-    let some = result.poses < result.asked;
-    let over = if some { format!(", over {} of {} tool poses", result.poses, result.asked) } else { String::new() };
+    let over = format!(", over {} of {} tool poses", result.poses, result.asked);
     let of = |verdict: &MachineVerdict| {
         let (machine, by) = (verdict.machine, verdict.by.as_ref().map_or_else(String::new, |by| by.words()));
         fold(&match (&verdict.verdict, &verdict.reason) {
             (Some(known), _) => format!("Machine {machine} against 1: {}; {by}{over}.", known.words()),
             (None, reason) => {
-                format!("Machine {machine} against 1: no verdict: {}.", reason.as_deref().unwrap_or_default())
+                let reason = reason.as_deref().unwrap_or_default();
+                format!("Machine {machine} against 1: no verdict: {reason}{over}.")
             }
         })
     };
     let limit = |(i, side): (usize, &ComparedMachine)| Some(format!("Machine {i}: {}\n", side.limit.as_ref()?.words()));
     let limits: String = (1..).zip(&result.machines).filter_map(limit).collect();
     limits + &result.verdicts.iter().map(of).collect::<String>()
+}
+
+/// Where the bounds of each machine come from.
+fn bounds_sources(result: &CompareResult) -> String {
+    let Some(budgets) = &result.budgets else { return String::new() };
+    let of = |budget: &ComparedBudget| {
+        let own = budget.errors - budget.errors_by_class;
+        match &budget.class {
+            Some(class) if own == 0 => format!("all {} by class {class}", budget.errors),
+            Some(class) => format!("{own} by its file, {} by class {class}", budget.errors_by_class),
+            None => format!("all {own} by its file"),
+        }
+    };
+    let list: Vec<String> = (1..).zip(&budgets.machines).map(|(i, budget)| format!("{i}: {}", of(budget))).collect();
+    fold(&format!("Bounds of machine {}.", list.join("; of ")))
 }
 
 /// Intervals of the figures and of their differences, and whether these are more than that.

@@ -6,7 +6,8 @@ use abbe::explain;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A code such as E0203, an error such as EC0Y, a class such as production, or a target such as linuxcnc.
+    /// A code such as E0203, an error such as EC0Y, a class such as production, a target such as linuxcnc, or a
+    /// word such as gauge.
     what: String,
 }
 

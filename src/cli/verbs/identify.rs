@@ -19,8 +19,9 @@ pub(crate) struct Args {
         long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
                      `point`, or a row for each point in their order")]
     axis_poses: Option<PathBuf>,
-    /// Parameters to fit: `location`, `tool`, `tools`, `tools-by-run`, `workpiece`, `spindle`, `linear`, error names,
-    /// `EXX:poly3` (default: the section `identify` of the machine file).
+    /// Parameters to fit: `needed` (location errors that the chain needs), `location`, `tool`, `tools`, `tools-by-run`,
+    /// `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` [default: the section `identify` of the machine file,
+    /// else `needed`].
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fit: Vec<String>,
     /// Parameters that keep their value although a group names them.
@@ -35,8 +36,8 @@ pub(crate) struct Args {
     type_b: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
-    /// Judge the fit over the volume of the file, or of axes with fitted curves over the range in which they were
-    /// measured, which becomes the `volume` of the fitted machine.
+    /// Judge the fit over the volume of the file, or over the range in which axes with fitted curves were measured.
+    /// That becomes the `volume` of the fitted machine.
     #[arg(long, value_enum, default_value = "travel", conflicts_with = "plan")]
     range: Range,
     #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', requires = "out", help = help::ACCEPT)]
@@ -59,9 +60,9 @@ pub(crate) struct Args {
     /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
     #[arg(long, value_name = "PARTS", value_parser = counts(2..=65_535))]
     folds: Option<usize>,
-    /// Propose N readings to take (1 to 1000), with the uncertainty that the parameters will have: poses, of a laser
-    /// lines; of those in `--data`, whose cells of readings are empty, or of an instrument. Nothing is fitted [default:
-    /// fit].
+    /// Propose N readings to take (1 to 1000), with the uncertainty that the parameters will have. They are poses, of a
+    /// laser lines, out of `--data`, whose cells of readings are empty, or of an instrument. Nothing is fitted
+    /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "folds", "robust"], value_parser = counts(1..=1000))]
     plan: Option<usize>,
     /// The instrument of a plan: three components at any pose, balls on the table, a tracker, or a laser along lines.

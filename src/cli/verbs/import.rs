@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::{PictureFile, help, svg};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::table;
+use crate::cli::output::view::{hide, table};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{Acceptance, FileContents, RunApproach, StraightnessLine};
@@ -122,6 +122,7 @@ fn text(result: &ImportResult) -> String {
     for error in &result.errors {
         add(&mut rows, error);
     }
+    hide(&mut rows, &[2]);
     text += &format!("{rows}\n");
     text += "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO \
              230-2:2014\n";

@@ -32,7 +32,7 @@ pub(crate) struct Args {
     sequence: Option<PathBuf>,
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
         long_help = "Centre of the circle, place of the ball, or where the other axes are, mm and deg [default: the \
-                     middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it]")]
+                     middle of the volume, three quarters along it for the R-test]. Rotary axes are at 0 or nearest")]
     at: Option<String>,
     /// Readings on a circle or turn, points on a diagonal, steps of every axis (3 to 100000) [default: 360, 37, 11].
     #[arg(long, value_name = "N", value_parser = counts(3..=100_000))]

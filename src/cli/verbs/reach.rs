@@ -27,8 +27,8 @@ pub(crate) struct Args {
     /// Largest distance of neighbouring tips (above 0) [default: an eighth of the longest side, for robots a third].
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     step: Option<f64>,
-    /// Number of tool directions (1 to 100000) [default: 60, for robots 6]: over the hemisphere about the tool axis at
-    /// rest, on its circle with one axis that turns the tool, one with none.
+    /// Number of tool directions (1 to 100000) [default: 60, for robots 6], over the hemisphere about the tool axis at
+    /// rest. With one axis that turns the tool they are on its circle, with none there is one.
     #[arg(long, value_name = "N", value_parser = counts(1..=100_000))]
     directions: Option<usize>,
     #[command(flatten)]

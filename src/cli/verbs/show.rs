@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::{PictureFile, ToolArg, help, png, svg};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{numbers, table};
+use crate::cli::output::view::{hide, numbers, table};
 use crate::cli::{Format, Outcome};
 use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, ErrorTerm, LocationStatus, Sense};
 use abbe::text::{cell, significant};
@@ -25,6 +25,9 @@ pub(crate) struct Args {
     /// Draw the curves of the component errors, as SVG unless the file ends in .png.
     #[arg(long, value_name = "FILE", value_parser = svg)]
     curves: Option<PictureFile>,
+    /// Draw gauge point, tip, origins and lines of rotary axes with all axes at 0, as SVG unless the file ends in .png.
+    #[arg(long, value_name = "FILE", value_parser = svg)]
+    zero_pose: Option<PictureFile>,
     #[command(flatten)]
     tool: ToolArg,
 }
@@ -34,7 +37,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--dot` is a format of its own: leave `--format` out");
     }
     let file = session.load(&args.machine, args.tool.name())?;
-    PictureFile::refuse(session, args.svg.iter().chain(&args.png).chain(&args.curves))?;
+    PictureFile::refuse(session, args.svg.iter().chain(&args.png).chain(&args.curves).chain(&args.zero_pose))?;
     draw(session, args, &file)?;
     if args.dot {
         session.print(&file.chain_dot());
@@ -48,6 +51,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let mut pictures = Vec::new();
     pictures.extend(args.svg.iter().chain(&args.png).map(|to| (to, file.chain_picture())));
+    pictures.extend(args.zero_pose.iter().map(|to| (to, file.zero_pose_picture())));
     if let Some(to) = &args.curves {
         let Some(picture) = file.error_curves() else {
             let bounded = file.errors().any(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
@@ -118,6 +122,7 @@ fn text(of: &ChainResult) -> String {
             axis.arm_mm.share.map_or("-".to_owned(), |share| format!("{} %", significant(share * 100.0, 2))),
         ]);
     }
+    hide(&mut axes, &[1, 6]);
     format!(
         "{}\n  {}\n\n{axes}\nArm: from the point about which the axis's angular errors turn to the functional point, \
          over the volume.\nShare: of the sum of squares of all errors, what hangs on the arm: the angular errors \
@@ -184,6 +189,10 @@ fn frames(of: &ChainResult) -> String {
             point(&tool.gauge_mm),
             point(&tool.tip_mm)
         ));
+    }
+    for axis in of.axes.iter().filter(|axis| axis.kind == AxisKind::Rotary) {
+        let along = axis.direction.map(|x| significant(x, 6)).join(", ");
+        text.push_str(&format!("  line of {:9} {} mm, along {along}\n", axis.name, point(&axis.origin_mm)));
     }
     text
 }

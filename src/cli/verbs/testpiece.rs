@@ -16,19 +16,19 @@ pub(crate) struct Args {
     /// The kind of piece.
     #[arg(value_enum)]
     kind: TestPieceKind,
-    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
-    /// mm (0.1 to 100000) [default: 160, of a cone 80].
+    /// Side of a square (or of that about a diamond), diameter of a circle or of a cone's base, length of an S, mm (0.1
+    /// to 100000) [default: 160, of a cone 80].
     #[arg(long, value_name = "MM", value_parser = size)]
     piece_size: Option<f64>,
-    /// Height of a contour or of the base of a cone above the part's origin, or of the surface of an S, mm (0.1 to
-    /// 100000) [default: 20, of a cone 120, of an S 40].
+    /// Height of a contour, of the base of a cone or of an S above the part's origin, mm (0.1 to 100000) [default: 20,
+    /// of a cone 120, of an S 40].
     #[arg(long, value_name = "MM", value_parser = size)]
     height: Option<f64>,
     /// Half of the apex angle of a cone, deg (above 0) [default: 15].
     #[arg(long, value_name = "DEG")]
     half_apex: Option<f64>,
-    /// Tilt of the axis of a cone, largest lean of an S, turn of a diamond, deg (0 to 80) [default: 10 of a cone, 20 of
-    /// an S, 30 of a diamond].
+    /// Tilt of a cone, largest lean of an S, turn of a diamond, deg (0 to 80) [default: 10 of a cone, 20 of an S, 30 of
+    /// a diamond].
     #[arg(long, value_name = "DEG", value_parser = tilt)]
     tilt: Option<f64>,
     /// Motion of a rotary axis about Z on a cone, which chooses the tilt.

@@ -237,7 +237,11 @@ fn no_rules(mechanism: &KinematicsMechanism, nominal: &Transformation) -> Diagno
         None => format!("the controller has no transformation for {}", nominal.placement.words()),
     };
     let help = match same_kind {
-        Some(_) => "`abbe explain` with the name of the target, and its page, state what it assumes".to_owned(),
+        Some(_) => {
+            "if the tables turn right-handed with positive words, write `sense: direct` for these axes; else take \
+                    another target (`abbe explain E0751`)"
+                .to_owned()
+        }
         None => format!("this target is for {}", known.join(", or ")),
     };
     Diagnostic::new(codes::E0751, message).help(help)

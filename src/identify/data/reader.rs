@@ -13,6 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, sho
 use crate::evaluate::Frame;
 use crate::identify::lists::index_of;
 use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
+use crate::job::poses::radians;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
@@ -202,9 +203,12 @@ impl MeasurementReader<'_> {
             let message = "the file has a header and no measurements".to_owned();
             diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
         }
-        let before = self.data.extent();
+        let (before, from) = (self.data.extent(), self.data.rows.len());
         let drafts = self.body(&columns, lines, separator, diagnostics);
         self.add(before, drafts, diagnostics);
+        let read = self.data.rows.get(from..).unwrap_or_default().iter().map(|row| &row.pose);
+        let warned = radians(self.machine, &sheet::cells(&header.text, separator), read, &Some(header.place));
+        warned.into_iter().for_each(|warning| diagnostics.push(warning));
     }
 
     /// Takes the rows of a file, all or none.

@@ -32,7 +32,7 @@ pub use parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeB
 pub(super) use prediction::zero_unread;
 pub use prediction::{FitModel, RigidMotion};
 pub(super) use prior::Prior;
-pub use request::{parameters, parameters_for, slope_bounds, unused_entries, with_command_line};
+pub use request::{NEEDED, parameters, parameters_for, slope_bounds, unused_entries, with_command_line};
 pub(super) use type_b::OffsetChannel;
 pub use type_b::{SharedEffect, TypeB, type_b};
 pub(super) use volume::{Volume, middle, volume_poses};

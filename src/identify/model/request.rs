@@ -6,6 +6,7 @@ use super::curves::{self, MAX_POWER};
 use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound, source};
 use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
+use crate::analysis::LocationSet;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::identify::data::{ToolUse, split_direction};
 use crate::identify::lists::index_of;
@@ -19,7 +20,9 @@ use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 
-const GROUPS: [&str; 7] = ["location", "tool", TOOLS, TOOLS_BY_RUN, "workpiece", "spindle", "linear"];
+const GROUPS: [&str; 8] = ["location", NEEDED, "tool", TOOLS, TOOLS_BY_RUN, "workpiece", "spindle", "linear"];
+/// The smallest complete set of location errors of the chain.
+pub const NEEDED: &str = "needed";
 /// Every tool by itself.
 const TOOLS: &str = "tools";
 /// Every tool by itself in each run.
@@ -307,6 +310,7 @@ fn parameters_of_word(
     refuse_unread(machine, word, uses)?;
     match word {
         "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
+        NEEDED => Ok(LocationSet::of(machine).members.iter().map(|(error, _)| location(machine, error)).collect()),
         "spindle" if machine.spindle_errors().is_none() => {
             Err(refusal("this chain has no spindle".to_owned(), "write `(S)` before `t` in the chain"))
         }

@@ -7,8 +7,8 @@ use crate::evaluate::Order;
 use crate::identify::data::LEVER_MM;
 use crate::identify::thresholds::{HELD_MM, MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
 use crate::identify::{
-    FitModel, Gauge, Measurement, MeasurementSet, Parameter, PriorValue, ReadingContext, SlopeBound, ToolUse, TypeB,
-    parameters_for, parse_gauge, parse_prior, read_measurements, slope_bounds, type_b, unused_entries,
+    FitModel, Gauge, Measurement, MeasurementSet, NEEDED, Parameter, PriorValue, ReadingContext, SlopeBound, ToolUse,
+    TypeB, parameters_for, parse_gauge, parse_prior, read_measurements, slope_bounds, type_b, unused_entries,
     with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay};
@@ -119,7 +119,13 @@ impl Requested {
         fixed: &[String],
         uses: &[ToolUse],
     ) -> Result<Self, Refused> {
-        let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        let mut request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        if request.fit.is_empty() {
+            call.announce(
+                "nothing says what to fit: these are the location errors that the chain needs (--fit needed)",
+            );
+            request.fit.push(NEEDED.to_owned());
+        }
         let own = parameters_for(file, &request, uses).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
         // A list of one's own takes what it needs of the section.

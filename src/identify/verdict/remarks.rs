@@ -162,8 +162,8 @@ pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnosti
     };
     let wide: Vec<String> = wide_estimates(fitted).map(words).chain(wide_curves(fitted)).collect();
     let message = format!("the data do not determine {}", wide.join(", "));
-    let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept undetermined` writes \
-                the file all the same";
+    let help = "fix them (`--fixed`), fit less, or measure where they act; an axis that turns the other way needs \
+                another `sense` in the file; `--accept undetermined` writes the file all the same";
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
 }
 

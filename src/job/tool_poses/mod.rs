@@ -10,7 +10,7 @@ mod missed;
 
 use super::path::{DeviationStep, LargestStep, PathResult};
 use super::placement::Placement;
-use super::poses::check;
+use super::poses::{check, radians};
 use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{
     Miss, Needs, PathEvents, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
@@ -18,7 +18,7 @@ use crate::analysis::{
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
-use crate::syntax::sheet::read_named_sheet;
+use crate::syntax::sheet::{cells, read_named_sheet, separator};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -153,6 +153,11 @@ pub(crate) fn read_named(
     let sheet = read_named_sheet(path, named, call.run.files, &mut call.diagnostics).ok_or(Refused)?;
     let is_cl = apt::is_cl_data(&sheet);
     let rows = if is_cl { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
+    if let (Ok(rows), Some(header)) = (&rows, sheet.each_line().next()) {
+        let header_cells = cells(&header.text, separator(&header.text));
+        let rotary = rows.iter().filter_map(|row| row.rotary().map(|(_, pose)| pose));
+        call.extend(radians(machine, &header_cells, rotary, &Some(header.place)));
+    }
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
         Err(refusal) => call.refuse(refusal),

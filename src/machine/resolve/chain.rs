@@ -87,7 +87,12 @@ fn check(context: &mut Context, links: &ChainLinks) -> Option<KinematicChain> {
         if !declared.contains(&link.name.as_str()) && !context.document.places.is_lost(&keys(["axes"])) {
             let near = did_you_mean(link.name.as_str(), &declared);
             let message = format!("axis `{}` of the chain is not declared under `axes`", link.name);
-            let help = format!("declare it, `{}: {{ travel: [...] }}`; {near}", link.name);
+            let letters: Vec<String> = link.name.as_str().chars().map(String::from).collect();
+            let glued = letters.len() > 1 && letters.iter().all(|letter| declared.contains(&letter.as_str()));
+            let help = match glued {
+                true => format!("write blanks between the names: `{}`", letters.join(" ")),
+                false => format!("declare it, `{}: {{ travel: [...] }}`; {near}", link.name),
+            };
             context.diagnostics.push(Diagnostic::new(codes::E0303, message).at(link.place.clone(), "").help(help));
         }
     }
@@ -202,8 +207,25 @@ fn link(context: &mut Context, token: &ChainWord, side: Option<Branch>, may_be_s
 
 fn refuse_name(context: &mut Context, token: &ChainWord) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
-    let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
+    let help = match apart(&token.text) {
+        Some(names) => format!("write blanks between the names: `{names}`"),
+        None => "a name is a capital letter, then up to seven capitals or digits: X, C1, J6".to_owned(),
+    };
     context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
+}
+
+/// Returns the names of a word that were written without blanks, with blanks; `None` if it is no such word.
+fn apart(word: &str) -> Option<String> {
+    let mut spaced = String::new();
+    for c in word.chars().filter(|c| !c.is_whitespace()) {
+        let begins = c.is_ascii_uppercase() && !spaced.ends_with('(') || matches!(c, 'w' | 'b' | 't' | '(');
+        if !begins && !c.is_ascii_uppercase() && !c.is_ascii_digit() && !matches!(c, '\'' | '’' | '′' | ')') {
+            return None;
+        }
+        spaced.extend(begins.then_some(' ').into_iter().chain([c]));
+    }
+    let names = spaced.trim_start();
+    names.contains(' ').then(|| names.to_owned())
 }
 
 /// Returns the string as ISO prints it.
@@ -212,6 +234,12 @@ fn walk(context: &mut Context, text: &str) -> Option<ChainLinks> {
     let tokens = tokens(context, text);
     let find = |word: &str| tokens.iter().position(|t| t.text == word);
     let (w, b, t) = (find("w"), find("b"), find("t"));
+    let complete = |names: &String| names.starts_with("w ") && names.contains(" b ") && names.ends_with(" t");
+    if let Some(names) = apart(text).filter(|names| [w, b, t].contains(&None) && complete(names)) {
+        let help = format!("write blanks between the names: `{names}`");
+        context.at_value(codes::E0302, &keys(["chain"]), "the names of the chain are not apart", help);
+        return None;
+    }
     for (found, word, what) in [(w, "w", "workpiece"), (b, "b", "bed"), (t, "t", "tool")] {
         if found.is_none() {
             let help = "a chain is a walk from workpiece to tool over the bed: `w C' A' Y' b X Z t`";

@@ -90,7 +90,7 @@ pub fn once(context: &mut Context, errors: &mut Errors, error: &ErrorId, place: 
         let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
             .at(place, "again here")
             .at(first.clone(), "first here")
-            .help("keep one of them");
+            .help("remove one of the two: an error stands once, under `errors`, in `tolerances` or in one table");
         context.diagnostics.push(refusal);
         return false;
     }

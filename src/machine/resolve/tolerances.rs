@@ -261,7 +261,7 @@ fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors
     if let Some(value) = half_width(context, &figure, &of, &here)
         && all.squareness.insert(pair, value).is_some()
     {
-        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted_path(at)), "keep one of them");
+        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted_path(at)), "remove one of the two");
     }
 }
 

@@ -26,6 +26,7 @@ mod readings;
 mod runs;
 mod scale;
 mod svg;
+mod zero_pose;
 
 pub use bars::{Bar, ParetoPicture, WaterfallPicture};
 pub use chain::chain_picture;
@@ -42,3 +43,4 @@ pub use runs::{LinePanel, LinePicture, RunCurves, RunPanel, RunPicture};
 pub(super) use scale::{rising, round_step};
 pub use svg::Picture;
 pub(super) use svg::escape;
+pub use zero_pose::zero_pose_picture;

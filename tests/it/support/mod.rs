@@ -19,7 +19,10 @@ pub mod stacking;
 
 /// The program, to be given arguments.
 pub fn abbe() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_abbe"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
+    // Text as wide as it is, so that sentences are found in it.
+    command.arg("--wide");
+    command
 }
 
 /// A file of `configs/`.

@@ -1,0 +1,104 @@
+//! Causes of a file that cannot be read, as a person would name them: another format, a tab, a missing colon.
+
+use std::ops::Range;
+use std::path::Path;
+
+/// A file of another format than the one that is wanted.
+pub(super) struct ForeignFormat {
+    /// Noun with its article.
+    pub(super) noun: &'static str,
+    /// The remedy.
+    pub(super) remedy: &'static str,
+}
+
+/// Returns the format of a file that is no text table, by its ending or its first bytes.
+pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_one_of = |endings: &[&str]| endings.contains(&ending.as_str());
+    let begins = |beginnings: &[&[u8]]| beginnings.iter().any(|beginning| bytes.starts_with(beginning));
+    let format = |noun, remedy| Some(ForeignFormat { noun, remedy });
+    if begins(&[b"PK\x03\x04", b"\xd0\xcf\x11\xe0"]) || is_one_of(&["xls", "xlsx", "xlsm", "ods"]) {
+        format("a workbook of a spreadsheet", "save the sheet as CSV (UTF-8), and name that file")
+    } else if begins(&[b"ISO-10303-21", b"solid "]) || is_one_of(&["stp", "step", "igs", "iges", "stl", "dxf"]) {
+        let remedy = "export points of it as a table `X [mm], Y [mm], Z [mm]`, or its tool path as APT CL data";
+        format("a drawing of a part", remedy)
+    } else if begins(&[b"%PDF"]) || ending == "pdf" {
+        format("a PDF page", "type its figures into a CSV table")
+    } else if is_program(bytes) || is_one_of(&["nc", "ngc", "mpf", "gcode", "tap", "cnc"]) {
+        let remedy = "let the CAM system write APT CL data, or a table `X, Y, Z, I, J, K` of tips and tool directions";
+        format("a program for a control", remedy)
+    } else {
+        None
+    }
+}
+
+/// True if the first line is a block of an NC program, such as `N10 G0 X5`.
+fn is_program(bytes: &[u8]) -> bool {
+    let line = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default().trim_ascii();
+    let words: Vec<&[u8]> = line.split(|byte| *byte == b' ').collect();
+    let is_word = |word: &[u8], letters: &[u8]| match word {
+        [letter, digits @ ..] => {
+            letters.contains(letter) && !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+        }
+        [] => false,
+    };
+    let code = words.iter().find(|word| !is_word(word, b"N"));
+    code.is_some_and(|word| is_word(word, b"GM"))
+}
+
+/// The cause of a text that is not YAML.
+pub(super) struct YamlCause {
+    /// The message.
+    pub(super) message: String,
+    /// Its place, bytes of the text.
+    pub(super) range: Range<usize>,
+    /// The remedy.
+    pub(super) help: String,
+}
+
+/// Returns the cause of a failure to parse at byte `at`, if it is a usual one.
+pub(super) fn yaml_cause(text: &str, at: usize) -> Option<YamlCause> {
+    let begin = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let end = text[at..].find('\n').map_or(text.len(), |end| at + end);
+    let before = text[..begin].trim_end();
+    let above = before.rfind('\n').map_or(0, |end| end + 1)..before.len();
+    // The parser may notice one line late.
+    let lines = [begin..end, above];
+    lines.iter().find_map(|line| tab(text, line)).or_else(|| lines.into_iter().find_map(|line| colon(text, line, at)))
+}
+
+/// A tab in the indentation of a line.
+fn tab(text: &str, line: &Range<usize>) -> Option<YamlCause> {
+    let content = &text[line.clone()];
+    let indentation = &content[..content.len() - content.trim_start().len()];
+    let start = line.start + indentation.find('\t')?;
+    let help = "indent with blanks, two for each level: YAML takes no tab there".to_owned();
+    Some(YamlCause { message: "a tab indents this line".to_owned(), range: start..start + 1, help })
+}
+
+/// A key without its colon, or without the blank behind it.
+fn colon(text: &str, line: Range<usize>, at: usize) -> Option<YamlCause> {
+    let content = text[line.clone()].split(" #").next().unwrap_or_default();
+    // Within brackets the entry before the failure, else the beginning of the line.
+    let upto = if line.contains(&at) { (at - line.start).min(content.len()) } else { content.len() };
+    let inner = content[..upto].rfind(['{', ',']).filter(|_| content[..upto].contains('{')).map_or(0, |open| open + 1);
+    [inner, 0].into_iter().find_map(|from| {
+        let entry = &content[from..];
+        let start = from + entry.len() - entry.trim_start_matches([' ', '-']).len();
+        let key: &str = content[start..].split([' ', '{', '[', '"', ',', '}', '#']).next().unwrap_or_default();
+        let (name, glued) = key.split_once(':').map_or((key, None), |(name, rest)| (name, Some(rest)));
+        let rest = &content[start + key.len()..];
+        let is_key = name.chars().next().is_some_and(char::is_alphabetic)
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        let touches = glued.is_some_and(|value| !value.is_empty() || rest.starts_with(['{', '[', '"']));
+        let message = match glued {
+            _ if !is_key => return None,
+            Some(_) if touches => format!("no blank behind the colon of `{name}`"),
+            None if !rest.trim_start().starts_with(':') => format!("no colon behind `{name}`"),
+            _ => return None,
+        };
+        let start = line.start + start;
+        let help = format!("write `{name}: ...`, with a colon and a blank");
+        Some(YamlCause { message, range: start..start + name.len(), help })
+    })
+}
