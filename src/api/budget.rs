@@ -389,7 +389,7 @@ pub(crate) fn budget_of(
     let goal = match options.goal_mm {
         Some(goal_mm) => {
             let inputs = options.goal_inputs();
-            Some(goal(call, machine, inputs, (&bounds, &request.drawn_poses(), work.set_up.removed()), goal_mm)?)
+            Some(goal(call, machine, inputs, (&bounds, &work.poses, work.set_up.removed()), goal_mm)?)
         }
         None => None,
     };

@@ -230,7 +230,8 @@ fn too_many(count: usize) -> Diagnostic {
     )
 }
 
-/// Maps a field; the tables are written. Of random poses that are held the 95 % value over the whole volume is told, too.
+/// Maps a field; the tables are written. Of random poses that are held the 95 % value over the whole volume is found,
+/// too.
 fn found(
     call: &mut Call<'_>,
     field: &dyn Field,

@@ -322,7 +322,10 @@ impl Question {
                 let names = std::iter::once(&with.first).chain(&with.more);
                 let others = names.map(|name| Ok(load(Path::new(name), &request.load_options(), run)?.value));
                 match others.collect::<Result<Vec<MachineFile>, Diagnostics>>() {
-                    Ok(others) => document(compare(&[&others[..], &[machine.clone()]].concat(), &with.options, run)),
+                    Ok(others) => {
+                        let all = [&others[..], std::slice::from_ref(machine)].concat();
+                        document(compare(&all, &with.options, run))
+                    }
                     Err(diagnostics) => json!(diagnostics),
                 }
             }

@@ -149,4 +149,3 @@ mod values_and_bounds;
 mod vectors;
 mod weighing;
 mod weil;
-mod worst_poses;

@@ -15,6 +15,8 @@ export interface Deciding {
   words: string;
   /** Where the interval comes from; empty without one. */
   source: string;
+  /** Number of poses of which the worst counts, where others of the volume may be worse. */
+  worstOf?: number;
   /** Why no limit is held, whatever the figure: in words. */
   undecided?: string;
   /** The limit that the job states, um, with the verdict of the program. */
@@ -79,13 +81,14 @@ export function deciding(of: Findings): Deciding | null {
     value: drawn.value,
     band: [drawn.low, drawn.high],
     words: `95 of 100 machines built to these tolerances deviate less than this, ${STATISTICS[of.budget.statistic]?.(counted(of.budget.poses)) ?? of.budget.statistic}. Nothing of this machine is measured.`,
-    source: `interval of ${counted(of.budget.samples)} drawn machines`,
+    source: `interval of ${counted(of.budget.samples)} drawn machines, at these poses`,
+    ...(of.budget.statistic === "max" ? { worstOf: of.budget.poses } : {}),
   };
 }
 
 /** Of a number of poses of the volume: its corners, and random ones. */
 const STATISTICS: Record<string, (poses: string) => string> = {
-  max: (poses) => `at the worst of ${poses} poses in the volume, and at the same with linear axes at their ends`,
+  max: (poses) => `at the worst of ${poses} poses in the volume, corners and random ones`,
   p95: (poses) => `at 95 % of ${poses} poses in the volume, corners and random ones`,
   rms: (poses) => `in the root mean square over ${poses} poses in the volume, corners and random ones`,
   mean: (poses) => `on average over ${poses} poses in the volume, corners and random ones`,
@@ -233,7 +236,8 @@ export function verdict(of: Deciding, typed: string): string {
     if (own.held === null && high <= limit)
       return `Open: ${of.undecided ?? "errors without value or bound, or left out, could turn it"}`;
   }
+  const poses = of.worstOf ? ` at these ${counted(of.worstOf)} poses; others may be worse` : "";
   if (low > limit) return fails;
   if (high > limit) return "Open: the limit lies within the band";
-  return of.undecided ? `Open: ${of.undecided}` : `Passes by ${rounded(limit - of.value)} µm`;
+  return of.undecided ? `Open: ${of.undecided}` : `Passes by ${rounded(limit - of.value)} µm${poses}`;
 }

@@ -11,7 +11,7 @@ use super::worst::{longest, longest_by_ascent};
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Field, Poses, Random};
 use crate::lower::Quantity;
-use crate::machine::{Axis, AxisKind, Grid, Machine, Pose};
+use crate::machine::{Machine, Pose};
 use crate::run::{Advance, Cancelled};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -131,27 +131,6 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     (0..corners).map(corner).chain(within.iter()).collect()
 }
 
-/// Returns a pose (mm, deg) with every linear axis at the nearer end of the volume.
-fn at_ends(machine: &Machine, pose: &Pose) -> Pose {
-    let end = |((x, axis), grid): ((&f64, &Axis), &Grid)| match axis.kind {
-        AxisKind::Linear if x - grid.min < grid.max - x => grid.min,
-        AxisKind::Linear => grid.max,
-        AxisKind::Rotary => *x,
-    };
-    pose.iter().zip(machine.axes()).zip(machine.volume()).map(end).collect()
-}
-
-impl Request<'_> {
-    /// Returns the poses (mm, deg) at which drawn machines deviate. A deviation by bounded errors is affine in the
-    /// positions of linear axes, so that it is longest at their ends: of a volume whose worst pose is searched these
-    /// poses are among them, besides the poses as they are, for values are curves.
-    pub fn drawn_poses(&self) -> Vec<Pose> {
-        let is_searched = self.searched && self.statistic == Statistic::Max;
-        let ends = self.poses.iter().filter(|_| is_searched).map(|pose| at_ends(self.machine, pose));
-        self.poses.iter().cloned().chain(ends).collect()
-    }
-}
-
 /// Drawn machines in the order of their indices.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -170,7 +149,7 @@ pub fn draw_samples(
     progress: Advance<'_>,
 ) -> Result<DrawnSamples, Cancelled> {
     let joints = by_joint_without(request.machine, request.bounds, request.reference);
-    let of = |quantity| samples_at(&request, &joints, quantity, samples.clone(), progress);
+    let of = |quantity| samples_at(&request, &joints, &effects(&request, &joints, quantity), samples.clone(), progress);
     Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
 }
 
@@ -229,13 +208,11 @@ pub(super) fn effects(request: &Request<'_>, joints: &[JointBounds], quantity: Q
 fn samples_at(
     request: &Request<'_>,
     joints: &[JointBounds],
-    quantity: Quantity,
+    poses: &[BudgetPose],
     samples: Range<usize>,
     progress: Advance<'_>,
 ) -> Result<Vec<DrawnMachine>, Cancelled> {
-    let poses = request.drawn_poses();
-    let poses = effects(&Request { poses: &poses, ..*request }, joints, quantity);
-    monte_carlo::draw(&poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
+    monte_carlo::draw(poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
 }
 
 fn totals(
@@ -275,7 +252,7 @@ fn totals(
     }
     let mut drawn = match drawn {
         Some(drawn) => drawn,
-        None => samples_at(request, joints, quantity, 0..samples, progress)?,
+        None => samples_at(request, joints, &budget_poses, 0..samples, progress)?,
     };
     let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
