@@ -272,6 +272,15 @@ class Bands(Record):
     rotation_urad: Annotated[SummaryBand, "Rotations of the tool, urad."]
 
 
+class Percentile(Record):
+    """A percentile of the population the samples come from."""
+
+    percent: Annotated[int, "The percentile, in percent."]
+    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
+    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
+    high: Annotated[Union[float, None], "Upper end."]
+
+
 class BeyondMeasured(Record):
     """Poses of a map beyond the ranges in which curves were measured."""
 
@@ -368,15 +377,6 @@ class FeatureResult(Record):
     errors: Annotated[list[DominatingError], "The errors with the largest parts in that deviation."]
 
 
-class Percentile(Record):
-    """A percentile of the population the samples come from."""
-
-    percent: Annotated[int, "The percentile, in percent."]
-    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
-    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
-    high: Annotated[Union[float, None], "Upper end."]
-
-
 class Proportion(Record):
     """The fraction of a population that has a property, by samples of it."""
 
@@ -445,6 +445,7 @@ class MapFields(Record):
     position_um: Annotated[Summary, "Statistics of the deviation of the functional point, um."]
     rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
     uncertainty: Annotated[Union[Bands, None], "Intervals of the statistics, where the machine file states uncertainties of errors."]
+    p95_over_volume: Annotated[Union[Percentile, None], "The value that 95 % of the whole volume keeps, um, with its interval by the number of random poses; of random poses alone."]
     beyond_measured: Annotated[Union[BeyondMeasured, None], "The poses beyond the ranges in which the curves of the axes were measured."]
     worst: Annotated[list[WorstPose], "The worst poses, largest deviation of the functional point first."]
     diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume; none of a job."]
@@ -711,6 +712,7 @@ class ComparedBudget(Record):
     """The budget of a machine beside others."""
 
     errors: Annotated[int, "Number of bounded errors."]
+    errors_by_class: Annotated[int, "Number of these that the class bounds; the machine file bounds the others."]
     position_um: Annotated[DeviationBudget, "The position deviation, um."]
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]

@@ -457,6 +457,8 @@ export interface ComparedBounds {
 export interface ComparedBudget {
   /** Number of bounded errors. */
   errors: number;
+  /** Number of these that the class bounds; the machine file bounds the others. */
+  errors_by_class: number;
   /** The position deviation, um. */
   position_um: DeviationBudget;
   /** The rotation of the tool, urad. */
