@@ -125,7 +125,8 @@ impl MachineAnswers {
         let [workpiece, a, b, c] = self.places_mm();
         let mut text = format!(
             "# yaml-language-server: $schema=./abbe.schema.json\n# Written by `abbe init` from answers. Positions in \
-             mm and deg; every error value needs its unit.\nabbe: 1\nmachine: \"{}\"\n\n# The walk from the workpiece (w) \
+             mm and deg; every error value needs its unit.\nabbe: 1\nmachine: \"{}\"\n\n\
+             # The walk from the workpiece (w) \
              over the bed (b) to the tool (t); a prime marks what carries the workpiece.\nchain: \"{}\"\n\n# `origin` \
              of a rotary axis: a point of its line, with all axes at 0. ASSUMED from the travels: measure it.\n# \
              `origin` of a linear axis: the point about which its angular errors turn.\naxes:\n",

@@ -120,8 +120,8 @@ fn yes_or_no(text: &str) -> Result<bool, Reason> {
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ReferenceArg {
     /// What the set-up of the part takes out: machine (nothing), zero, zero:X,Y,Z (mm), best-fit,
-    /// best-fit:minimum-zone, machine-less-unheld, or a datum. A datum has six points and normals, datum:X,Y,Z,I,J,K:...
-    /// [default: zero for tool poses, machine-less-unheld for a volume].
+    /// best-fit:minimum-zone, machine-less-unheld, or a datum. A datum has six points and normals,
+    /// datum:X,Y,Z,I,J,K:... [default: zero for tool poses, machine-less-unheld for a volume].
     #[arg(long, value_name = "REFERENCE", allow_hyphen_values = true)]
     pub(super) reference: Option<Reference>,
 }

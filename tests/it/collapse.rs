@@ -208,7 +208,7 @@ fn advice_to_fix_is_true() {
         let left = rms(&json(&output));
         assert!(left < 1.01 * whole, "{list}: {left} {whole}");
         if list == advised {
-            assert!(words.contains(&format!("leaves {left:.2} um instead of {whole:.2} um")), "{left} {whole} {words}");
+            assert!(words.contains(&format!("leaves {left:.2} um instead of {whole:.3} um")), "{left} {whole} {words}");
         }
     }
 }

@@ -184,9 +184,9 @@ fn a_ball_bar_in_six_set_ups_knows_what_a_dense_least_squares_says() {
         assert!((stated / (sigma * unit) - 1.0).abs() < 0.02, "{name}: {stated} {}", sigma * unit);
         assert!((found - value * unit).abs() < 4.0 * stated, "{name}: {found} {stated}");
     }
-    // Balls of unknown place leave what the bar sees through their place alone.
+    // Balls of unknown place leave what the bar sees through their place alone; EZ0A is then held by what is plausible.
     let sharper = ["EZ0A", "EB0A", "EC0A"].map(|name| estimate(&alone, name).1 / estimate(&by_option, name).1);
-    assert!(sharper.iter().all(|times| *times > 3.0), "{sharper:?}");
+    assert!(sharper[0] > 1.0 && sharper[1..].iter().all(|times| *times > 3.0), "{sharper:?}");
 }
 
 #[test]

@@ -41,8 +41,8 @@ pub(crate) struct Args {
     /// may be given again.
     #[arg(long, value_name = "RULE")]
     require: Vec<String>,
-    /// Leave out what is hardly built, unless the file has it so: linear above rotary on the table, more than four axes
-    /// below the part, more than two rotary in the head.
+    /// Leave out what is hardly built, unless the file has it: linear above rotary on the table, five axes below the
+    /// part, three rotary in the head.
     #[arg(long, value_enum, default_value_t = YesNo::Yes)]
     buildable: YesNo,
     /// Maximum number of axes that carry the workpiece (0 or more) [default: all].

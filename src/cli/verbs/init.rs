@@ -48,7 +48,8 @@ fn write(session: &mut Session, file: &Path, text: &str) -> Outcome {
     write_new(file, text.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let file = file.display();
     session.say(&format!(
-        "wrote {file}; next: `abbe check {file}`\nFor completion in an editor: `abbe schema > abbe.schema.json` beside it"
+        "wrote {file}; next: `abbe check {file}`\n\
+         For completion in an editor: `abbe schema > abbe.schema.json` beside it"
     ));
     Ok(())
 }
@@ -85,7 +86,8 @@ fn questions() -> Option<(String, MachineAnswers)> {
     let tool_length_mm =
         question("Tool: from the nose of the spindle to the tip, mm", "120", "a length in mm, such as 120", length)?;
     say("\nWhat is known of its errors\n  1  nothing yet: bounds typical of a class of machines\n  2  a data sheet: \
-         accuracy of the axes\n  3  measured tables, as CSV files\n  4  nothing: invented values, to try the program\n");
+         accuracy of the axes\n  3  measured tables, as CSV files\n  \
+         4  nothing: invented values, to try the program\n");
     let errors = match question("Which", "1", "a number from 1 to 4", |answer| one_of(answer, 4))? {
         1 => KnownErrors::Class(class()?),
         2 => KnownErrors::DataSheet(data_sheet(choice.axes.iter().map(|(axis, _)| *axis))?, class()?),

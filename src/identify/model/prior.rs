@@ -79,9 +79,10 @@ impl Prior {
         self.metric.rows(0, self.own) / self.sigma
     }
 
-    /// Returns the weight of a squared displacement beside readings of this variance.
+    /// Returns the weight of a squared displacement beside readings of this variance. Readings that scatter by more
+    /// than is plausible are far from a fit, with instruments still on their way, which the weight slows down.
     pub fn weight(&self, variance: f64) -> f64 {
-        variance / (self.sigma * self.sigma)
+        (variance / (self.sigma * self.sigma)).min(1.0)
     }
 
     /// Returns the distance from the start in displacements; 0 for unknowns of instruments.
