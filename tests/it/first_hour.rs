@@ -281,14 +281,14 @@ fn angles_that_look_like_radians_are_asked_about_once() {
     };
     let poses = |file: &Path| warnings(&["eval", "trunnion.yaml", "--axis-poses", text(file), "--format", "csv"]);
     for (header, from, to, count, wanted) in [
-        ("C,A", 0.0, 6.28, 25, 1),
+        ("C,A", 0.0, 6.2, 25, 1),
         ("C,A", -3.1, 3.1, 20, 1),
-        ("C,A", 0.0, 6.28, 19, 0),
+        ("C,A", 0.0, 6.2, 19, 0),
         ("C,A", 0.0, 2.9, 25, 0),
         ("C,A", 0.0, 7.0, 25, 0),
         ("C,A", 0.0, 360.0, 25, 0),
-        ("C [deg],A", 0.0, 6.28, 25, 0),
-        ("C [rad],A", 0.0, 6.28, 25, 0),
+        ("C [deg],A", 0.0, 6.2, 25, 0),
+        ("C [rad],A", 0.0, 6.2, 25, 0),
     ] {
         let file = rows(header, from, to, count, "0");
         assert_eq!(poses(&file), wanted, "{header} {from} {to} {count}");

@@ -22,7 +22,7 @@ pub(super) fn within_plausible(
     let others = Svd::new(&reduced.r.columns(own, all - own).into_owned());
     let used = others.u.columns(0, others.rank(RANK_TOLERANCE));
     let seen = reduced.r.columns(0, own);
-    let left = &seen - used * used.tr_mul(&seen);
+    let left = seen - used * used.tr_mul(&seen);
     let svd = Svd::new(&machine.tr_solve_upper_triangular(&left.transpose())?.transpose());
     let held = own.saturating_sub(all - rank);
     let first = (0..held).find(|k| svd.values[*k] < sigma)?;
