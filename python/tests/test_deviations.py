@@ -157,7 +157,8 @@ def test_sweeps_that_look_like_radians_are_asked_about(low: float, high: float, 
     turn = np.linspace(low, high, count)
     poses = np.zeros((count, len(machine.axis_names)), order="F")
     poses[:, machine.axis_names.index("C")] = turn
-    for given in (poses, {"C": turn, "X": 100}):
+    both: list[Any] = [poses, {"C": turn, "X": 100}]
+    for given in both:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             machine.deviations(given)
