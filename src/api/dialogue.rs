@@ -69,7 +69,7 @@ pub const MACHINE_CHOICES: [MachineChoice; 6] = [
     },
 ];
 
-/// What is known of the errors of a machine.
+/// Knowledge of the errors of a machine.
 #[derive(Debug, Clone)]
 pub enum KnownErrors {
     /// Nothing: bounds typical of a class of machines.
@@ -89,7 +89,7 @@ pub struct MachineAnswers {
     pub choice: MachineChoice,
     /// Ends of the travel of each axis of the kind, mm and deg; none for an axis without end.
     pub travels: Vec<Option<[f64; 2]>>,
-    /// From the gauge point to the tip, mm.
+    /// Distance of the tip from the gauge point, mm.
     pub tool_length_mm: f64,
     /// Errors.
     pub errors: KnownErrors,

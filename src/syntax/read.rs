@@ -16,8 +16,7 @@ pub fn read_text(
     diagnostics: &mut Diagnostics,
 ) -> Option<(SourceId, Arc<str>)> {
     let bytes = read_bytes(path, named.clone(), Disk::MAX_BYTES, files, diagnostics)?;
-    let text = decode(path, bytes, named, diagnostics)?;
-    Some(keep(path, &text, diagnostics))
+    keep_bytes(path, bytes, named, diagnostics)
 }
 
 /// Reads a table as [`read_text`] does, and refuses files of other programs by name.
@@ -28,6 +27,16 @@ pub(super) fn read_table_text(
     diagnostics: &mut Diagnostics,
 ) -> Option<(SourceId, Arc<str>)> {
     let bytes = read_table_bytes(path, named.clone(), Disk::MAX_BYTES, files, diagnostics)?;
+    keep_bytes(path, bytes, named, diagnostics)
+}
+
+/// Decodes bytes, and keeps the text among the sources.
+fn keep_bytes(
+    path: &Path,
+    bytes: Vec<u8>,
+    named: Option<Place>,
+    diagnostics: &mut Diagnostics,
+) -> Option<(SourceId, Arc<str>)> {
     let text = decode(path, bytes, named, diagnostics)?;
     Some(keep(path, &text, diagnostics))
 }

@@ -51,8 +51,8 @@ pub struct ParameterFit {
     pub known: DMatrix<f64>,
     /// RMS (mm) of the readings against the machine at the start, with instruments and set-ups fitted.
     pub initial_rms: f64,
-    /// What is known before the readings by plausible sizes: combinations of standard deviation 1, an upper triangle
-    /// over the machine's unknowns, which come first.
+    /// Combinations of standard deviation 1 that plausible sizes make known before the readings: an upper triangle over
+    /// the machine's unknowns, which come first.
     pub plausible: DMatrix<f64>,
     /// True if a bound on a slope holds the unknown, too.
     pub slope_bounded: Vec<bool>,
@@ -198,11 +198,10 @@ impl Descent<'_> {
         let (rows, unknowns) = (self.reduced.rows, self.theta.len());
         let is_redundant = rows > unknowns;
         let degrees_of_freedom = if is_redundant { rows - unknowns } else { rows.max(1) } as f64;
-        if !self.prior.has_known_values && is_redundant {
-            return self.reduced.rest * self.reduced.rest / degrees_of_freedom;
-        }
-        if !self.prior.has_known_values {
-            return self.scatter_by_rank();
+        match (self.prior.has_known_values, is_redundant) {
+            (false, true) => return self.reduced.rest * self.reduced.rest / degrees_of_freedom,
+            (false, false) => return self.scatter_by_rank(),
+            (true, _) => (),
         }
         let mut variance = self.reduced.right_norm() * self.reduced.right_norm() / rows.max(1) as f64;
         for _ in 0..STEP_SCATTER_ITERATIONS {

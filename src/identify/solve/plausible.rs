@@ -1,4 +1,4 @@
-//! What is known of the unknowns before the readings, in the covariance: errors are plausible in size.
+//! Knowledge before the readings in the covariance: errors are plausible in size.
 //!
 //! The fit is pulled to its start by this knowledge ([`crate::identify::model::Prior`]). Its covariance has the
 //! knowledge where the readings tell less, so that what they tell more of is as uncertain as they alone say.
