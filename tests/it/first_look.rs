@@ -44,11 +44,6 @@ fn the_first_line_is_the_answer() {
         let figures = ["/position_um/p95", "/position_um/max", "/poses"].map(|path| value(&of, path));
         answers(&verb, "Position deviation: 95 % of the poses within", &figures);
 
-        let verb = ["map", machine, "--random", "50", "--class", "production", "--samples", "50"];
-        let of = said(&verb);
-        let p95 = value(&of, "/bounds/position_um/monte_carlo/p95");
-        answers(&verb, "Position deviation: 95 % of 50 machines drawn within", &[p95, 50.0]);
-
         let verb = ["budget", machine, "--class", "production", "--poses", "10", "--samples", "50"];
         let of = said(&verb);
         let paths = ["/position_um/monte_carlo/p95", "/position_um/rss", "/position_um/worst_case", "/over/poses"];
@@ -72,6 +67,11 @@ fn the_first_line_is_the_answer() {
         let (determined, unknowns) = (value(&of, "/well_determined"), value(&of, "/unknowns"));
         answers(&verb, &format!("{determined} of {unknowns} unknowns determined by 8 readings."), &[]);
     }
+    let (values, _) = MACHINE.split_once("errors:").unwrap();
+    let bounded = folder.with("bounded.yaml", &format!("{values}class: production\n"));
+    let verb = ["map", text(&bounded), "--random", "50", "--samples", "50"];
+    let p95 = value(&said(&verb), "/bounds/position_um/monte_carlo/p95");
+    answers(&verb, "Position deviation: 95 % of 50 machines drawn within", &[p95, 50.0]);
     let shop = "../docs/examples/shop-floor/";
     let (machine, data) = (format!("{shop}machine.yaml"), format!("{shop}volume.csv"));
     let verb = ["identify", &machine, "--data", &data, "--fit", "location,EXX:poly3,EYY:poly1,EZZ:poly1,EZY:poly2"];
@@ -113,7 +113,7 @@ fn long_texts_of_codes_fit_a_terminal() {
         let name = entry.file_name().into_string().unwrap();
         let Some(code) = name.strip_suffix(".md") else { continue };
         let said = String::from_utf8(narrow(&["explain", code]).stdout).unwrap();
-        for line in said.lines().filter(|line| !line.contains(": {")) {
+        for line in said.lines().filter(|line| !line.contains(": {") && !line.starts_with('|')) {
             assert!(line.chars().count() <= 80, "{code}: {line}");
         }
         count += 1;
@@ -222,25 +222,25 @@ fn quiet_is_quiet() {
     let machine = folder.with("m.yaml", &MACHINE.replace(", origin: [250, 225, -350]", ""));
     let _ = folder.with("x.csv", TABLE);
     let (machine, out, new) = (text(&machine), folder.file("out"), folder.file("new.yaml"));
-    let files = ["page.html", "man", "a.svg"].map(|name| folder.file(name));
+    let files = ["page.html", "man"].map(|name| folder.file(name));
     let some = ["--poses", "5", "--samples", "20", "--class", "production"];
     let runs: Vec<Vec<&str>> = vec![
         vec!["check", machine],
         vec!["show", machine],
-        vec!["eval", machine, "--at", "X=900", "--order", "1"],
+        vec!["eval", machine, "--at", "Y=900", "--order", "1"],
         vec!["equations", machine],
         vec!["map", machine, "--random", "20"],
         vec!["reach", machine, "--directions", "2"],
-        [&["compare", machine, "trunnion.yaml"], &some[..]].concat(),
+        [&["compare", machine, machine], &some[..]].concat(),
         [&["budget", machine], &some[..]].concat(),
         [&["enumerate", machine], &some[..]].concat(),
         vec!["instrument", machine, "ball-bar"],
         vec!["identify", machine, "--plan", "3"],
         vec!["compile", machine, "--target", "linuxcnc", "--out", text(&out), "--poses", "20"],
         vec!["verify", machine, text(&out), "--poses", "20"],
-        vec!["diff", text(&out), text(&out)],
+        vec!["diff", machine, machine],
         vec!["report", machine, "--out", text(&files[0]), "--poses", "5", "--samples", "20"],
-        vec!["convert", machine, "--to", "bui-kimm"],
+        vec!["convert", machine, "--to", "bui-kimm", "--within", "5 nm"],
         vec!["targets"],
         vec!["explain", "EC0Y"],
         vec!["init", text(&new)],
