@@ -37,7 +37,7 @@ from ._results import (
 )
 
 #: What is taken out of the deviations of a part.
-ReferenceKind = Literal["machine", "machine-less-unheld", "zero", "datum", "best-fit"]
+ReferenceKind = Literal["machine", "machine-less-unheld", "zero", "zero-less-unheld", "datum", "best-fit"]
 
 #: An alignment: a second point gives the rotation about an axis through the first.
 #: ``about``: Direction of the axis, part coordinates.

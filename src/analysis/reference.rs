@@ -184,6 +184,38 @@ impl PartReference {
         Self { points: poses.iter().zip(tips).map(point).collect(), zone: None }
     }
 
+    /// Returns what this reference, which takes all translations out, leaves of some rigid motions of the workpiece
+    /// frame; none of those that it takes out.
+    pub fn left_of(&self, motions: &[UnheldMotion]) -> Vec<UnheldMotion> {
+        let turn = |of: &Vector6<f64>| of.fixed_rows::<3>(3).norm();
+        let left = |motion: &UnheldMotion| {
+            let whole = Vector6::from(motion.amounts());
+            let left = whole - self.motion_by(&whole);
+            // Without a rotation it is a translation, of which rounding is left.
+            (turn(&left) > RANK * turn(&whole)).then(|| UnheldMotion::of(left.into()))
+        };
+        motions.iter().filter_map(left).collect()
+    }
+
+    /// Returns this reference and the part of the best fit over poses (mm, deg) that combines some rigid motions of which
+    /// it takes nothing out. Applied again it takes nothing out.
+    pub fn and_part_of_best_fit(self, machine: &Machine, motions: &[UnheldMotion], poses: &[Pose]) -> Self {
+        let fit = Self::part_of_best_fit(machine, motions, poses);
+        // The fit is of what is left.
+        let own = self.points.into_iter().map(|point| {
+            let fitted = [0, 1, 2].map(|k| fit.motion_by(&point.gain.column(k).into()));
+            ReferencePoint { gain: point.gain - Matrix6x3::from_columns(&fitted), ..point }
+        });
+        Self { points: own.chain(fit.points.iter().cloned()).collect(), zone: None }
+    }
+
+    /// Returns the motion by a rigid motion of the workpiece frame (mm, rad), both of first order.
+    fn motion_by(&self, motion: &Vector6<f64>) -> Vector6<f64> {
+        let [translation, rotation] = [0, 3].map(|first| Vector3::from(motion.fixed_rows::<3>(first)));
+        let by = |point: &ReferencePoint| point.gain * (translation + rotation.cross(&point.tip));
+        self.points.iter().map(by).sum()
+    }
+
     /// Returns the minimum zone over poses (mm, deg): the motion that leaves the smallest largest position deviation.
     /// A rotation that the places do not determine is zero.
     pub fn minimum_zone(machine: &Machine, poses: &[Pose]) -> Self {

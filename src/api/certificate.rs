@@ -5,7 +5,7 @@ use crate::controller::{
     Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SingleErrorResidual,
     Strongest, ZeroShift, figures, judge_by, micro,
 };
-use crate::evaluate::{Bare, Field, Order, Poses, Summary};
+use crate::evaluate::{Bare, Field, Order, Summary};
 use crate::file_set::verdict;
 use crate::identify::second::SecondMeasurement;
 use crate::job::job_file::{Job, JobPaths};
@@ -172,7 +172,7 @@ pub(crate) fn without_unheld(
         return (certificate, SetUp::machine());
     }
     let poses = depth.poses(machine);
-    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &poses);
     let Judgement { approach, uncompensated, compensated, raised } = judge(field, &set_up, &poses);
     (Certificate { approach, uncompensated, compensated, raised, straight: None, ..certificate }, set_up)
 }
@@ -188,7 +188,7 @@ pub(crate) fn figures_without_unheld(
     if scope.in_machine {
         return None;
     }
-    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &poses);
     set_up.removed().map(|_| judge(field, &set_up, &poses).compensated)
 }
 

@@ -11,7 +11,7 @@ use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summar
 use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
-use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
+use crate::job::reference::{Reference, SetUp, unzeroed};
 use crate::lower::NominalPose;
 use crate::machine::{Machine, OperatingConditions, Pose, UnheldMotion};
 use crate::report::BoundedFigures;
@@ -159,17 +159,11 @@ pub(crate) fn set_ups(
     let stated = Job::stated(job, asked);
     let is_stated = stated.is_some();
     let reference = stated.or_else(|| job.map(Job::zero)).unwrap_or_else(Reference::machine_less_unheld);
-    if reference.kind == ReferenceKind::MachineLessUnheld {
-        // What one machine is without, all are without.
-        let motions: Vec<UnheldMotion> = files.iter().flat_map(|file| file.unheld()).copied().collect();
-        let without = |(machine, poses): &(&Machine, Vec<Pose>)| {
-            SetUp::less_unheld(machine, &motions, &Poses::Listed(poses.clone()))
-        };
-        return Ok((sides.iter().map(without).collect(), None));
-    }
+    // What one machine is without, all are without.
+    let motions: Vec<UnheldMotion> = files.iter().flat_map(|file| file.unheld()).copied().collect();
     let mut list = Vec::new();
     for ((machine, poses), file) in sides.iter().zip(files) {
-        match SetUp::new(machine, &reference, poses) {
+        match SetUp::without(machine, &reference, &motions, poses) {
             Ok(set_up) => list.push(set_up),
             Err(refusal) if is_stated => {
                 return call.about(file.path(), |call| call.refuse(Job::located(job, asked, refusal)));
@@ -191,8 +185,9 @@ pub(crate) fn set_ups(
 fn is_probed_alike(sides: &[(&Machine, Vec<Pose>)], set_ups: &[SetUp]) -> bool {
     let directions = |((machine, _), set_up): (&(&Machine, Vec<Pose>), &SetUp)| -> Vec<Vector3<f64>> {
         let tool = Vector3::from(machine.tool().direction);
-        let points = set_up.removed().map_or(&[][..], |of| of.points());
-        points.iter().map(|point| NominalPose::in_part(machine, &point.pose).pose.linear * tool).collect()
+        let points = set_up.removed().map_or(&[][..], |of| of.points()).iter();
+        let probed = 1 + usize::from(set_up.reference.align.is_some());
+        points.take(probed).map(|point| NominalPose::in_part(machine, &point.pose).pose.linear * tool).collect()
     };
     let all: Vec<Vec<Vector3<f64>>> = sides.iter().zip(set_ups).map(directions).collect();
     all.iter()

@@ -12,7 +12,7 @@ use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::job::reference_text::ReferenceOption;
-use crate::machine::{Approach, Machine, MachineProperty, Pose};
+use crate::machine::{Approach, Machine, MachineProperty, Pose, UnheldMotion};
 use crate::report::{MachineDifference, describe};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use rayon::prelude::*;
@@ -166,6 +166,8 @@ struct Judge<'a> {
     bounded: bool,
     /// Motion that the part's set-up takes out of each machine.
     reference: Reference,
+    /// Motions that the data behind the errors of one of the machines do not hold.
+    unheld: Vec<UnheldMotion>,
 }
 
 impl<'a> Judge<'a> {
@@ -185,10 +187,12 @@ impl<'a> Judge<'a> {
         }
         let default = job.map_or_else(Reference::default, Job::zero);
         let is_stated = stated.is_some();
-        let judge = Self { options, bounded, reference: stated.unwrap_or(default) };
-        for file in files.into_iter().filter(|_| judge.reference.kind != ReferenceKind::BestFit) {
-            match SetUp::new(file, &judge.reference, &[]) {
-                Ok(_) => {}
+        let unheld = files.iter().flat_map(|file| file.unheld()).copied().collect();
+        let mut judge = Self { options, bounded, reference: stated.unwrap_or(default), unheld };
+        let is_fitted = judge.reference.kind == ReferenceKind::BestFit;
+        for file in files.into_iter().filter(|_| !is_fitted) {
+            match judge.set_up(file, &[]) {
+                Ok(set_up) => judge.reference.kind = set_up.reference.kind,
                 Err(refusal) if is_stated => {
                     let refusal = Job::located(job, options.reference.as_ref(), refusal);
                     return call.about(file.path(), |call| call.refuse(refusal));
@@ -205,7 +209,12 @@ impl<'a> Judge<'a> {
 
     /// True if a mixture of the machines reaches the point of the reference.
     fn is_set_up(&self, machine: &Machine) -> bool {
-        self.reference.kind == ReferenceKind::BestFit || SetUp::new(machine, &self.reference, &[]).is_ok()
+        self.reference.kind == ReferenceKind::BestFit || self.set_up(machine, &[]).is_ok()
+    }
+
+    /// Returns the set-up of the part on a machine; fits are over the poses (mm, deg).
+    fn set_up(&self, machine: &Machine, poses: &[Pose]) -> Result<SetUp, Diagnostic> {
+        SetUp::without(machine, &self.reference, &self.unheld, poses)
     }
 
     /// True if a figure depends on a property. A travel counts by itself, where other poses are taken within it: it
@@ -228,7 +237,7 @@ impl<'a> Judge<'a> {
     /// Returns the 95 % position deviation (um) at the poses of a machine, or the 95 % value of machines drawn.
     fn p95_um(&self, call: &mut Call<'_>, machine: &Machine, side: &MachineResult) -> Result<f64, Refused> {
         let poses: Vec<Pose> = side.reached.iter().map(|(pose, _)| pose.clone()).collect();
-        let set_up = SetUp::new(machine, &self.reference, &poses).or_else(|refusal| call.refuse(refusal))?;
+        let set_up = self.set_up(machine, &poses).or_else(|refusal| call.refuse(refusal))?;
         if !self.bounded {
             let (order, conditions) = (order_of(machine, self.options.order), self.options.approach.into());
             let bare = Bare { machine, order };

@@ -14,7 +14,7 @@ use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, poses};
-use crate::job::reference::{Reference, ReferenceKind, SetUp};
+use crate::job::reference::{Reference, ReferenceKind, SetUp, sample_for_unheld};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, Machine, Pose};
@@ -106,11 +106,11 @@ impl MapOptions {
         if fitted && poses.len() > MAX_POSES {
             return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
         }
-        let is_less_unheld = |of: &Reference| of.kind == ReferenceKind::MachineLessUnheld;
-        if Job::stated(job, asked).map_or(job.is_none(), |of| is_less_unheld(&of)) {
-            return Ok(SetUp::less_unheld(machine, machine.unheld(), poses));
-        }
-        let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
+        let list: Vec<Pose> = match fitted {
+            true => poses.iter().collect(),
+            false if machine.unheld().is_empty() => Vec::new(),
+            false => sample_for_unheld(poses),
+        };
         Job::set_up(job, call, machine, asked, &list)
     }
 }

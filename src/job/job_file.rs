@@ -10,7 +10,6 @@ use super::reference_text::WrittenReference;
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::analysis::budget::Statistic;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
-use crate::evaluate::Poses;
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::{JobText, Scalar, TOOL_POSES, read_job};
@@ -192,7 +191,7 @@ impl Job {
                 SetUp::new(machine, &stated, poses).or_else(|refusal| call.refuse(Self::located(job, asked, refusal)))
             }
             (None, Some(job)) => SetUp::by_default(call, machine, &job.zero(), poses),
-            (None, None) => Ok(SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.to_vec()))),
+            (None, None) => Ok(SetUp::less_unheld(machine, machine.unheld(), poses)),
         }
     }
 

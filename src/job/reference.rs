@@ -39,8 +39,11 @@ pub enum ReferenceKind {
     /// Those rigid motions of the workpiece frame that the data behind the errors do not hold: the part of the best fit
     /// over the poses that combines them; nothing where the machine file names none.
     MachineLessUnheld,
-    /// Three translations: the zero of the part is probed on the machine.
+    /// Three translations: the zero of the part is probed on the machine. Carried out as `zero-less-unheld` where the
+    /// machine file names motions that the data behind the errors do not hold.
     Zero,
+    /// The zero, and those rotations about it that the data behind the errors do not hold, fitted over the poses.
+    ZeroLessUnheld,
     /// A frame of six datum points, 3-2-1.
     Datum,
     /// The rigid motion with the least sum of squared position deviations over the poses, or with the least largest
@@ -49,13 +52,14 @@ pub enum ReferenceKind {
 }
 
 impl ReferenceKind {
-    const ALL: [Self; 5] = [Self::Machine, Self::MachineLessUnheld, Self::Zero, Self::Datum, Self::BestFit];
+    const ALL: [Self; 6] =
+        [Self::Machine, Self::MachineLessUnheld, Self::Zero, Self::ZeroLessUnheld, Self::Datum, Self::BestFit];
 
     /// Returns the keys of a reference that have an effect.
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Machine | Self::MachineLessUnheld => &[],
-            Self::Zero => &["point", "direction", "rotary", "align"],
+            Self::Zero | Self::ZeroLessUnheld => &["point", "direction", "rotary", "align"],
             Self::Datum => &["direction", "rotary", "datum"],
             Self::BestFit => &["minimum_zone"],
         }
@@ -67,6 +71,7 @@ impl ReferenceKind {
             Self::Machine => "machine",
             Self::MachineLessUnheld => "machine-less-unheld",
             Self::Zero => "zero",
+            Self::ZeroLessUnheld => "zero-less-unheld",
             Self::Datum => "datum",
             Self::BestFit => "best-fit",
         }
@@ -224,6 +229,11 @@ impl Reference {
         stated.into_iter().filter(|(_, is)| *is).map(|(key, _)| key).collect()
     }
 
+    /// Returns the poses over which motions that the data do not hold are fitted, in words.
+    fn fitted_over(&self) -> &'static str {
+        if self.over_volume { "the volume" } else { "these poses" }
+    }
+
     /// True if its motion is not linear in the errors.
     pub(crate) fn is_minimum_zone(&self) -> bool {
         self.kind == ReferenceKind::BestFit && self.minimum_zone
@@ -237,7 +247,7 @@ impl fmt::Display for Reference {
         match self.kind {
             ReferenceKind::Machine => f.write_str("machine coordinates"),
             ReferenceKind::MachineLessUnheld => {
-                let poses = if self.over_volume { "the volume" } else { "these poses" };
+                let poses = self.fitted_over();
                 write!(f, "machine-less-unheld (without rigid motions that the data do not hold, fitted over {poses})")
             }
             ReferenceKind::BestFit if self.minimum_zone => {
@@ -245,7 +255,7 @@ impl fmt::Display for Reference {
             }
             ReferenceKind::BestFit => f.write_str("best fit of the part"),
             ReferenceKind::Datum => write!(f, "datum frame of {} points", self.datum.len()),
-            ReferenceKind::Zero => {
+            ReferenceKind::Zero | ReferenceKind::ZeroLessUnheld => {
                 write!(f, "zero at {}", triple(&self.point))?;
                 match &self.rotary {
                     Some(rotary) => {
@@ -254,10 +264,14 @@ impl fmt::Display for Reference {
                     }
                     None => write!(f, " along {}", triple(&self.direction))?,
                 }
-                match &self.align {
-                    Some(align) => write!(f, ", aligned about {}", triple(&align.about)),
-                    None => Ok(()),
+                if let Some(align) = &self.align {
+                    write!(f, ", aligned about {}", triple(&align.about))?;
                 }
+                if self.kind == ReferenceKind::ZeroLessUnheld {
+                    let poses = self.fitted_over();
+                    write!(f, ", less rotations about it that the data do not hold, fitted over {poses}")?;
+                }
+                Ok(())
             }
         }
     }
@@ -286,19 +300,32 @@ impl SetUp {
     /// Returns machine coordinates less motions that the data of this machine or of others do not hold, fitted over
     /// poses (mm, deg) by least squares: 10,000 spread over their list if there are more, and poses of the volume in
     /// place of fewer than three, of which nothing would be left.
-    pub fn less_unheld(machine: &Machine, motions: &[UnheldMotion], poses: &Poses) -> Self {
+    pub fn less_unheld(machine: &Machine, motions: &[UnheldMotion], poses: &[Pose]) -> Self {
         if motions.is_empty() {
             return Self::machine();
         }
-        let listed = |poses: &Poses| -> Vec<Pose> {
-            spread_places(poses.len(), MAX_UNHELD_POSES, &[]).into_iter().map(|i| poses.get(i)).collect()
-        };
-        let own = listed(poses);
-        let over_volume = count_different(&own) < MIN_FITTED;
-        let fitted =
-            if over_volume { listed(&Poses::Spread(Spread::of(machine, UNHELD_VOLUME_POSES, 0))) } else { own };
+        let (fitted, over_volume) = fitted_for_unheld(machine, poses);
         let reference = Reference { over_volume, ..Reference::machine_less_unheld() };
         Self { reference, removed: Some(PartReference::part_of_best_fit(machine, motions, &fitted)) }
+    }
+
+    /// Returns the zero of a part, less those rotations about it that the data of this machine or of others do not
+    /// hold, fitted as [`Self::less_unheld`] fits them.
+    fn zero(
+        machine: &Machine,
+        reference: &Reference,
+        motions: &[UnheldMotion],
+        poses: &[Pose],
+    ) -> Result<Self, Diagnostic> {
+        let probed = zero(machine, reference)?;
+        let turning = probed.left_of(motions);
+        if turning.is_empty() {
+            let reference = Reference { kind: ReferenceKind::Zero, ..reference.clone() };
+            return Ok(Self { reference, removed: Some(probed) });
+        }
+        let (fitted, over_volume) = fitted_for_unheld(machine, poses);
+        let reference = Reference { kind: ReferenceKind::ZeroLessUnheld, over_volume, ..reference.clone() };
+        Ok(Self { reference, removed: Some(probed.and_part_of_best_fit(machine, &turning, &fitted)) })
     }
 
     /// Refuses a minimum zone for what needs a motion that is linear in the errors: `what`, such as `a goal`.
@@ -310,12 +337,24 @@ impl SetUp {
         call.refuse(refuse(message, "take the least squares, `--reference best-fit`, or another reference"))
     }
 
-    /// Returns the set-up of a part on a machine; a best fit is over the poses (mm, deg).
+    /// Returns the set-up of a part on a machine; fits are over the poses (mm, deg).
     pub fn new(machine: &Machine, reference: &Reference, poses: &[Pose]) -> Result<Self, Diagnostic> {
+        Self::without(machine, reference, machine.unheld(), poses)
+    }
+
+    /// Returns the set-up of a part on a machine, where the data behind the errors of this machine or of others do not
+    /// hold some motions; fits are over the poses (mm, deg).
+    pub fn without(
+        machine: &Machine,
+        reference: &Reference,
+        motions: &[UnheldMotion],
+        poses: &[Pose],
+    ) -> Result<Self, Diagnostic> {
         let removed = match reference.kind {
             ReferenceKind::Machine => None,
-            ReferenceKind::MachineLessUnheld => {
-                return Ok(Self::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.to_vec())));
+            ReferenceKind::MachineLessUnheld => return Ok(Self::less_unheld(machine, motions, poses)),
+            ReferenceKind::Zero | ReferenceKind::ZeroLessUnheld => {
+                return Self::zero(machine, reference, motions, poses);
             }
             ReferenceKind::BestFit if poses.is_empty() || poses.len() > MAX_FITTED => {
                 let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
@@ -331,7 +370,6 @@ impl SetUp {
             }
             ReferenceKind::BestFit if reference.minimum_zone => Some(PartReference::minimum_zone(machine, poses)),
             ReferenceKind::BestFit => return Ok(Self::best_fit(machine, poses)),
-            ReferenceKind::Zero => Some(zero(machine, reference)?),
             ReferenceKind::Datum => Some(datum(machine, reference)?),
         };
         Ok(Self { reference: reference.clone(), removed })
@@ -366,6 +404,21 @@ impl SetUp {
     ) -> Option<ReferencedField<'a>> {
         Some(ReferencedField::new(field, self.removed.as_ref()?, order, conditions))
     }
+}
+
+/// Returns the poses (mm, deg) over which motions that the data do not hold are fitted, and true if they are poses of
+/// the volume: 10,000 spread over a list if there are more, and the volume in place of fewer than three, of which
+/// nothing would be left.
+fn fitted_for_unheld(machine: &Machine, poses: &[Pose]) -> (Vec<Pose>, bool) {
+    if count_different(poses) < MIN_FITTED {
+        return (Poses::Spread(Spread::of(machine, UNHELD_VOLUME_POSES, 0)).iter().collect(), true);
+    }
+    (spread_places(poses.len(), MAX_UNHELD_POSES, &[]).into_iter().map(|i| poses[i].clone()).collect(), false)
+}
+
+/// Returns those of poses (mm, deg) over which motions that the data do not hold are fitted at most.
+pub(crate) fn sample_for_unheld(poses: &Poses) -> Vec<Pose> {
+    spread_places(poses.len(), MAX_UNHELD_POSES, &[]).into_iter().map(|i| poses.get(i)).collect()
 }
 
 /// Returns the warning of a job whose part cannot be zeroed at its origin.

@@ -43,7 +43,7 @@ impl FromStr for Reference {
             (Some("machine-less-unheld"), None) => Some(Self::machine_less_unheld()),
             (Some("best-fit"), None) => Some(Self::best_fit()),
             (Some("best-fit"), Some("minimum-zone")) if parts.clone().count() == 1 => Some(Self::minimum_zone()),
-            (Some("zero"), _) => zero(&parts.collect::<Vec<_>>()),
+            (Some("zero" | "zero-less-unheld"), _) => zero(&parts.collect::<Vec<_>>()),
             (Some("datum"), Some(_)) => datum(parts),
             _ => None,
         };

@@ -231,6 +231,15 @@ fn levels_and_autocollimators_read_angles_of_a_slide() {
         let zero = found(&fitted, "instruments", &format!("{of} 2.A"));
         assert!(zero["unit"] == "urad" && (zero["value"].as_f64().unwrap() - 600.0).abs() < 1e-6, "{zero}");
     }
+    // Units that no slide can be of.
+    for (rows, said) in
+        [("0,0\n100,4\n200,8\n300,12\n400,16\n", true), ("0,0\n100,0.004\n200,0.008\n300,0.012\n", false)]
+    {
+        let data = folder.with("unit.csv", &format!("X,level.b [deg]\n{rows}"));
+        let words = ["identify", text(&machine), "--fit", "EBX:poly1", "--fixed", "EBX:x^0", "--data", text(&data)];
+        let (_, warnings) = refused(&words);
+        assert_eq!(warnings.contains("half of the rotations are"), said, "{warnings}");
+    }
     let single = folder.with("single.csv", "X,level.b [mm/m]\n0,0\n100,0.01\n200,0.02\n300,0.03\n");
     let fitted = fit(&machine, "EBX:poly1", &[&single], &["--fixed", "EBX:x^0"]);
     assert!((found(&fitted, "parameters", "EBX:x^1")["value"].as_f64().unwrap() - 100.0).abs() < 1e-6, "{fitted}");

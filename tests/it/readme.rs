@@ -2,8 +2,10 @@
 //!
 //! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`,
 //! one copy for each document. The other lines must be in the output of the command above them, in that order; `[...]`
-//! marks omitted lines.
+//! marks omitted lines. Guides for newcomers begin in an empty folder: a block with `title="NAME"` is a file that the
+//! reader writes.
 
+use super::program::available;
 use crate::oracle::program::Folder;
 use std::collections::BTreeSet;
 use std::fs;
@@ -96,6 +98,23 @@ fn workshop() -> Folder {
     folder
 }
 
+/// True for pages whose reader has the program and an empty folder, and nothing of this repository.
+fn newcomer(document: &Path) -> bool {
+    let name = document.file_name().unwrap().to_str().unwrap();
+    name.starts_with("guide-") || name == "first-machine.md"
+}
+
+impl Block {
+    /// The name of the file that the block is.
+    fn title(&self) -> Option<&str> {
+        self.kind.split_once(" title=\"").map(|(_, name)| name.trim_end_matches('"'))
+    }
+
+    fn has_commands(&self) -> bool {
+        ["console", "sh"].contains(&self.kind.as_str())
+    }
+}
+
 /// Returns the shell command of a line; `None` if it is not run here.
 fn runnable(command: &str, document: &Path) -> Option<String> {
     if NOT_RUN.iter().any(|start| command.starts_with(start)) {
@@ -161,13 +180,23 @@ fn run(folder: &Folder, block: &Block, document: &Path) -> usize {
 fn commands_run_and_say_what_the_documents_say() {
     let mut count = 0;
     for document in documents() {
-        let folder = workshop();
-        for block in blocks(&text(&document)).iter().filter(|block| ["console", "sh"].contains(&block.kind.as_str())) {
-            count += run(&folder, block, &document);
+        let content = text(&document);
+        let newcomer = newcomer(&document);
+        let folder = if newcomer { Folder::new() } else { workshop() };
+        for block in blocks(&content) {
+            match block.title() {
+                Some(name) => drop(folder.write(name, &(block.lines.join("\n") + "\n"))),
+                None if block.has_commands() => count += run(&folder, &block, &document),
+                None => {}
+            }
         }
         for image in fs::read_dir(root().join("docs/images")).unwrap().map(|entry| entry.unwrap().file_name()) {
-            let both = [root().join("docs/images").join(&image), folder.path("docs/images").join(&image)]
-                .map(|path| fs::read(path).unwrap());
+            // The reader of a guide draws beside the other files.
+            let drawn = folder.path(if newcomer { "" } else { "docs/images" }).join(&image);
+            if newcomer && !content.contains(&format!("](images/{})", image.display())) {
+                continue;
+            }
+            let both = [root().join("docs/images").join(&image), drawn].map(|path| fs::read(path).unwrap_or_default());
             assert!(
                 both[0] == both[1],
                 "docs/images/{} is not what the command in {} draws",
@@ -177,6 +206,65 @@ fn commands_run_and_say_what_the_documents_say() {
         }
     }
     assert!(count > 15, "{count} commands");
+}
+
+#[test]
+fn newcomers_need_nothing_of_this_repository() {
+    let mut count = 0;
+    for document in documents().into_iter().filter(|document| newcomer(document)) {
+        let content = text(&document);
+        for line in blocks(&content).iter().filter(|block| block.has_commands()).flat_map(|block| joined(&block.lines))
+        {
+            let Some(command) = line.strip_prefix("$ ") else { continue };
+            count += 1;
+            assert!(command.starts_with("abbe "), "{}: `{command}` needs more than abbe", document.display());
+        }
+        // Links lead into the repository; what is typed does not.
+        let typed: String = content
+            .split("](")
+            .enumerate()
+            .map(|(i, part)| if i == 0 { part } else { part.split_once(')').unwrap().1 })
+            .collect();
+        for path in ["configs/", "docs/", "tests/", "../", "`sed ", "`cp "] {
+            assert!(!typed.contains(path), "{}: {path}", document.display());
+        }
+    }
+    assert!(count > 40, "{count} commands");
+}
+
+/// The programs of the guide for LinuxCNC, read by its interpreter, which takes the end of each touch for the contact:
+/// the places where the ball is expected agree with the readings of the page, whose machine is 0.05 mm off.
+#[test]
+fn linuxcnc_reads_the_programs_of_its_guide() {
+    if !available("rs274", "programs of the guide for LinuxCNC") {
+        return;
+    }
+    let blocks = blocks(&text(Path::new("docs/guide-linuxcnc.md")));
+    let named = |name: &str| blocks.iter().find(|block| block.title() == Some(name)).unwrap().lines.clone();
+    let folder = Folder::new();
+    let logged = |name: &str| {
+        let program = folder.write(name, &(named(name).join("\n") + "\n"));
+        let mut interpreter = Command::new("rs274");
+        interpreter.arg("-g").arg(program).current_dir(folder.path("")).env("HOME", folder.path(""));
+        let output = interpreter.output().unwrap();
+        assert!(output.status.success(), "{}", both(&output));
+        let said = both(&output);
+        let rows = said.lines().filter_map(|line| line.split_once("LOG(\"")?.1.strip_suffix("\")").map(str::to_owned));
+        rows.collect::<Vec<String>>()
+    };
+    let numbers = |row: &String| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+    let (program, readings) = (logged("ball.ngc"), named("ball1.csv"));
+    assert_eq!(program.len(), 17);
+    assert_eq!(program[0], readings[0]);
+    for (expected, read) in program.iter().zip(&readings).skip(1) {
+        let (expected, read) = (numbers(expected), numbers(read));
+        // The interpreter touches 4 mm deep, and less the radius that makes 4 mm in Z.
+        let gaps: Vec<f64> = expected.iter().zip(&read).map(|(a, b)| (a - b).abs()).collect();
+        assert!(gaps[1] < 0.2 && gaps[2] < 0.2 && (gaps[3] - 4.046).abs() < 0.2, "{expected:?} {read:?}");
+        assert_eq!(expected[4..], read[4..]);
+    }
+    let along = logged("again.ngc");
+    assert!(along.len() == 5 && along.iter().all(|row| (numbers(row)[2] - 11.0).abs() < 1e-3), "{along:?}");
 }
 
 /// Links of Markdown that are no addresses of the web.

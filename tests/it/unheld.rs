@@ -86,6 +86,74 @@ fn without_rigid_motion(points: &[Vector3<f64>], displacements: &[Vector3<f64>])
     (0..points.len()).map(|i| Vector3::from_fn(|k, _| left[3 * i + k])).collect()
 }
 
+/// What is left of displacements of points after the translation at one of them and the best rotation about it.
+fn without_zero_and_rotation(points: &[Vector3<f64>], displacements: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let arm = |i: usize| points[i] - points[0];
+    let rows = DMatrix::from_fn(3 * points.len(), 3, |i, k| Vector3::ith(k, 1.0).cross(&arm(i / 3))[i % 3]);
+    let rest = DVector::from_fn(3 * points.len(), |i, _| (displacements[i / 3] - displacements[0])[i % 3]);
+    let turn = rows.clone().svd(true, true).solve(&rest, 1e-12).unwrap();
+    let left = rest - rows * turn;
+    (0..points.len()).map(|i| Vector3::from_fn(|k, _| left[3 * i + k])).collect()
+}
+
+/// Where a part is zeroed, the translation is probed, and how the frame is turned nothing tells.
+#[test]
+fn a_zero_is_without_the_rotations_that_nothing_holds() {
+    let blank = blank();
+    let (mut within, mut count, mut squares, mut expanded) = (0, 0, 0.0, 0.0);
+    for seed in 0..4 {
+        let mut random = Random::new(4300 + seed);
+        let real = real(&blank, &mut random);
+        let lengths = lengths(&real, &mut random);
+        // The first pose is where the zero is probed.
+        let poses = [vec![vec![250.0, 200.0, -150.0]], poses(&mut random, 60)].concat();
+        let points: Vec<Vector3<f64>> = poses.iter().map(|pose| actual(&blank, pose)).collect();
+        let zero = points[0].iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+        let reference: Reference = format!("zero:{zero}").parse().unwrap();
+        let figures = |datum: &str| {
+            let file = fitted(&lengths, datum);
+            let options =
+                EvalOptions { poses: poses.clone(), reference: Some(reference.clone()), ..EvalOptions::default() };
+            let found = eval(&file, &options, Run::default()).unwrap().value;
+            let plain = loads(THREE, &LoadOptions::default(), Run::default()).unwrap().value;
+            let options =
+                abbe::CompareOptions { reference: Some(reference.clone()), ..abbe::CompareOptions::default() };
+            let both = compare(&[plain, file], &options, Run::default()).unwrap().value;
+            for over in [found.over.as_ref().unwrap(), &both.over] {
+                assert_eq!(over.reference, ReferenceKind::ZeroLessUnheld);
+                assert!(over.line().contains("less rotations about it that the data do not hold"), "{}", over.line());
+            }
+            // The plain machine is alike without errors.
+            assert_eq!(both.machines[0].position_um.max, 0.0);
+            (found, both.machines[1].position_um.p95)
+        };
+        let (found, p95) = figures("");
+        let moved: Vec<Vector3<f64>> = poses.iter().zip(&points).map(|(pose, p)| actual(&real, pose) - p).collect();
+        // At the zero itself nothing is left, and known to be.
+        for (truth, pose) in without_zero_and_rotation(&points, &moved).iter().zip(&found.poses).skip(1) {
+            let reach = pose.uncertainty.unwrap().deviation;
+            for k in 0..3 {
+                let off = pose.deviation[k] - truth[k];
+                within += usize::from(off.abs() <= reach[k]);
+                (squares, expanded, count) = (squares + off * off, expanded + reach[k] * reach[k], count + 1);
+            }
+        }
+        let (other, other_p95) = figures("identify: { datum: { zero: machine, line: end-points } }\n");
+        assert!((p95 - other_p95).abs() <= 1e-6 * p95, "{p95} {other_p95}");
+        for (a, b) in found.poses.iter().zip(&other.poses) {
+            for k in 0..3 {
+                let [ua, ub] = [a, b].map(|of| of.uncertainty.unwrap().deviation[k]);
+                assert!((a.deviation[k] - b.deviation[k]).abs() <= 1e-9, "{:?} {:?}", a.deviation, b.deviation);
+                assert!((ua - ub).abs() <= 1e-6 * ua.max(1e-6), "{ua} {ub}");
+            }
+        }
+    }
+    let share = within as f64 / f64::from(count);
+    assert!((0.90..=0.99).contains(&share), "{share}");
+    let ratio = (expanded / (4.0 * squares)).sqrt();
+    assert!((0.8..1.4).contains(&ratio), "{ratio}");
+}
+
 /// The intervals hold the true deviation after the same motions are taken off it, and are of the size of its error.
 #[test]
 fn intervals_without_a_frame_hold_and_are_not_wide() {

@@ -11,7 +11,7 @@ class Over(Record):
     """What a result is over."""
 
     kind: Annotated[Literal["volume", "job"], "A volume or a job."]
-    reference: Annotated[Literal["machine", "machine-less-unheld", "zero", "datum", "best-fit"], "Motion that the part's set-up takes out."]
+    reference: Annotated[Literal["machine", "machine-less-unheld", "zero", "zero-less-unheld", "datum", "best-fit"], "Motion that the part's set-up takes out."]
     minimum_zone: Annotated[Union[bool, None], "True if the best fit is the minimum zone."]
     path: Annotated[bool, "True if the poses are one continuous path."]
     poses: Annotated[int, "Number of poses asked for."]

@@ -133,6 +133,16 @@ impl Gauge {
         self.ends == other.ends || [self.ends[1], self.ends[0]] == other.ends
     }
 
+    /// Returns the gauge among the unknowns that are kept, by their indices in rising order; `None` if a coordinate of
+    /// its points is not.
+    pub(crate) fn among(&self, kept: &[usize]) -> Option<Self> {
+        let place = |end: usize| {
+            let first = kept.binary_search(&end).ok()?;
+            kept.get(first..first + 3)?.iter().eq(&[end, end + 1, end + 2]).then_some(first)
+        };
+        Some(Self { ends: [place(self.ends[0])?, place(self.ends[1])?], ..self.clone() })
+    }
+
     /// Returns the equation at these unknowns, over its standard uncertainty: coefficients by unknown, and the right
     /// side.
     pub(super) fn row(&self, theta: &[f64]) -> ([(usize, f64); 6], f64) {
@@ -146,5 +156,29 @@ impl Gauge {
         let row: [(usize, f64); 6] = std::array::from_fn(entry);
         let there: f64 = row.iter().map(|(j, share)| share * theta[*j]).sum();
         (row, (self.length - apart) / self.sigma + there)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_keeps_its_points_where_others_are_left_out() {
+        let gauge = Gauge {
+            name: "distance b1 b2".to_owned(),
+            ends: [2, 7],
+            way: Vector3::new(50.0, 0.0, 0.0),
+            length: 50.0,
+            sigma: 0.02,
+        };
+        let all: Vec<usize> = (0..10).collect();
+        assert_eq!(gauge.among(&all), Some(gauge.clone()));
+        let less: Vec<usize> = all.iter().copied().filter(|j| ![0, 5, 6].contains(j)).collect();
+        assert_eq!(gauge.among(&less).map(|of| of.ends), Some([1, 4]));
+        for coordinate in [2, 3, 4, 7, 8, 9] {
+            let less: Vec<usize> = all.iter().copied().filter(|j| *j != coordinate).collect();
+            assert_eq!(gauge.among(&less), None, "{coordinate}");
+        }
     }
 }

@@ -30,6 +30,8 @@ pub struct Residuals {
     pub after: f64,
     /// Median length with the machine of the file, over readings that need no instrument unknowns.
     pub typical: f64,
+    /// Median length of rotations with the machine of the file, mm at the lever of all rotations; instruments fitted.
+    pub typical_turn: f64,
     /// Number and RMS for each kind of rows, with the fitted machine.
     pub kinds: Vec<(ReadingKind, usize, f64)>,
     /// Measurements that stand out, the worst first.
@@ -58,6 +60,7 @@ impl Residuals {
         Self {
             before: rms(&before),
             typical: typical(data, &model.residuals(data, &start)),
+            typical_turn: median_of(data, &before, |kind| matches!(kind, ReadingKind::Turn(_))),
             after: rms(&after),
             kinds: kinds(data, &after),
             outliers: outliers(data, &after),
@@ -69,10 +72,14 @@ impl Residuals {
 
 /// Returns the median length over readings that need no instrument unknowns.
 fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    let plain =
-        |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch | ReadingKind::Turn(_));
-    let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
-    median(sizes.collect()).0
+    median_of(data, before, |kind| {
+        !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch | ReadingKind::Turn(_))
+    })
+}
+
+/// Returns the median length over readings of some kinds.
+fn median_of(data: &[Measurement], residuals: &[Vector3<f64>], is_of: impl Fn(ReadingKind) -> bool) -> f64 {
+    median(data.iter().zip(residuals).filter(|(m, _)| is_of(m.kind())).map(|(_, r)| r.norm()).collect()).0
 }
 
 /// Returns the first-order, second-order and higher part of a fitted deviation, in the components read.

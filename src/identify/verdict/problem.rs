@@ -91,14 +91,10 @@ impl Problem {
             let unknown = kept.iter().position(|j| *j == known.unknown)?;
             Some(PriorValue { unknown, ..*known })
         };
-        let gauge = |gauge: &Gauge| {
-            let [a, b] = gauge.ends.map(|end| kept.iter().position(|j| *j == end));
-            Some(Gauge { ends: [a?, b?], ..gauge.clone() })
-        };
         Self {
             unknowns: kept.iter().map(|j| self.unknowns[*j].clone()).collect(),
             known: self.known.iter().filter_map(known).collect(),
-            gauges: self.gauges.iter().filter_map(gauge).collect(),
+            gauges: self.gauges.iter().filter_map(|gauge| gauge.among(&kept)).collect(),
             ..self.clone()
         }
     }

@@ -5,10 +5,11 @@ use super::fitted::FitDiagnosis;
 use super::limits;
 use super::result::{KnownValue, place};
 use crate::diagnostic::{Diagnostic, Sources, codes};
+use crate::identify::data::LEVER_MM;
 use crate::identify::thresholds::*;
 use crate::identify::{
     BasisFunction, DeviationUncertainty, Estimate, Measurement, Parameter, ParameterTerm, Prediction, Reading,
-    ReadingKind, Repeats, largest_uncertainty, lever,
+    ReadingKind, Repeats, Residuals, largest_uncertainty, lever,
 };
 use crate::job::machine_file::ReadBackFailure;
 use crate::job::poses::axes_text;
@@ -107,11 +108,16 @@ fn drifting(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
 
 /// Warns of sizes that speak of a wrong unit.
 fn sizes(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
-    let typical = fitted.residuals.typical;
-    let unlikely = typical > MAX_MEDIAN_MM || (0.0 < typical && typical < MIN_MEDIAN_MM);
-    let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
+    let Residuals { typical, typical_turn, .. } = fitted.residuals;
+    let unlikely = |size: f64| size > MAX_MEDIAN_MM || (0.0 < size && size < MIN_MEDIAN_MM);
+    let off = match (unlikely(typical), unlikely(typical_turn)) {
+        (true, _) => format!("half of the readings are {} um", um(typical)),
+        (false, true) => format!("half of the rotations are {} urad", um(typical_turn / LEVER_MM * 1e3)),
+        (false, false) => return None,
+    };
+    let message = format!("{off} or more off the machine as the file says it");
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
-    unlikely.then(|| warning(codes::W0505, message, help))
+    Some(warning(codes::W0505, message, help))
 }
 
 /// Warns of curves for a direction of approach in which no reading was taken that they move.

@@ -9,7 +9,7 @@ use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{Direction, basis_of_term, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
-const GROUPS: [&str; 7] = ["location", "tool", "tools", "tools-by-run", "workpiece", "spindle", "linear"];
+const GROUPS: [&str; 8] = ["location", "needed", "tool", "tools", "tools-by-run", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 

@@ -1586,7 +1586,7 @@ export interface ReachedToolPoses {
 }
 
 /** What is taken out of the deviations of a part. */
-export type ReferenceKind = "machine" | "machine-less-unheld" | "zero" | "datum" | "best-fit";
+export type ReferenceKind = "machine" | "machine-less-unheld" | "zero" | "zero-less-unheld" | "datum" | "best-fit";
 
 /** The side of the motion on which the component errors of a rotary axis act. */
 export type RotaryOrder = "stationary" | "rotating";

@@ -1,6 +1,7 @@
 /** The first thing a review looks at: the figure over the job or the volume, its band, and whether it is within the
  * limit. */
 
+import type { ReferenceKind } from "../evaluator/results";
 import type { Over } from "../evaluator/types";
 import type { Findings, State } from "../session";
 import { button, make } from "../ui/dom";
@@ -35,10 +36,15 @@ export function scopeOf(over: Over | undefined): string {
 export const isOverJob = (of: Findings | null): boolean => of?.map?.over.kind === "job";
 
 function referenceOf({ reference, minimum_zone }: Over): string {
-  const words = { machine: "machine coordinates", zero: "zero", datum: "datum", "best-fit": "best fit" };
-  const known =
-    reference in words ? words[reference as keyof typeof words] : "machine coordinates less what is not held";
-  return minimum_zone ? "minimum zone" : known;
+  const words: Record<ReferenceKind, string> = {
+    machine: "machine coordinates",
+    "machine-less-unheld": "machine coordinates less what is not held",
+    zero: "zero",
+    "zero-less-unheld": "zero, less rotations that are not held",
+    datum: "datum",
+    "best-fit": "best fit",
+  };
+  return minimum_zone ? "minimum zone" : words[reference];
 }
 
 /** Over a job the figure that its limit judges: the largest deviation, of machines that are drawn that of 95 % of them. */
