@@ -6,6 +6,7 @@ import { type Axis, type Chain, geometry, type Pose, type Vec3 } from "../evalua
 import { Drag, type Grip } from "./drag";
 import { Arms } from "./arms";
 import { Figure, type Materials } from "./figure";
+import { gltf } from "./gltf";
 import { Guide } from "./guide";
 import { type FieldNode, Marks, type WorkPoint } from "./marks";
 import { hides, Pick } from "./pick";
@@ -55,6 +56,8 @@ export class Stage {
   private chosen = "";
   /** True while something is moved by hand: the picture is coarser then, and follows. */
   private isHeld = false;
+  /** Width and height of the picture on paper, while it is printed. */
+  private paper: [number, number] | null = null;
   /** Pixels of the picture to one of the screen while something is held. */
   private readonly coarse: number;
 
@@ -297,6 +300,26 @@ export class Stage {
     return this.renderer.domElement;
   }
 
+  /** The machine as it stands, as binary glTF. */
+  get gltf(): Blob | null {
+    return this.figure && gltf(this.figure.root, this.figure.layout.up);
+  }
+
+  /** Draws at once in a size of paper and in light colours, or as on the screen again. */
+  print(paper: [number, number] | null, isDark: boolean): void {
+    this.paper = paper;
+    this.theme(isDark);
+    this.refit();
+    this.parent.querySelector(".paper")?.remove();
+    if (!paper) return;
+    // What WebGL draws is not always printed: a copy in two dimensions is.
+    const { canvas } = this;
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height, copy.className] = [canvas.width, canvas.height, "paper"];
+    copy.getContext("2d")?.drawImage(canvas, 0, 0);
+    this.parent.append(copy);
+  }
+
   /** Takes another size; the whole machine stays in a picture that nobody has turned. */
   private refit(): void {
     if (this.figure && this.camera.position.equals(this.placed)) this.look(this.pose);
@@ -306,10 +329,10 @@ export class Stage {
   }
 
   private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.parent;
+    const [width, height] = this.paper ?? [this.parent.clientWidth, this.parent.clientHeight];
     const { x, y } = this.renderer.getSize(new three.Vector2());
     if (!width || !height || (x === width && y === height)) return;
-    this.renderer.setSize(width, height);
+    this.renderer.setSize(width, height, !this.paper);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.draw();

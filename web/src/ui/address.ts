@@ -27,6 +27,8 @@ export interface Place {
   pane: string;
   /** Picture beside the machine. */
   beside: string;
+  /** Units of the reader, `uin-arcsec`; empty for those of the file. */
+  units: string;
 }
 
 export function place(): Place {
@@ -46,6 +48,7 @@ export function place(): Place {
     beside: of("beside"),
     pane: of("pane"),
     goal: of("goal"),
+    units: of("units"),
   };
 }
 
