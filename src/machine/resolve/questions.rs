@@ -1,5 +1,6 @@
 //! Geometry that is allowed and seldom meant: `check` asks about it.
 
+use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Axis, AxisKind, Branch, ErrorTerm, Machine, Sense, Travel};
@@ -146,7 +147,8 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
 fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<Item = Diagnostic> + 'a {
     machine.errors().filter_map(move |(error, term)| {
         let ErrorTerm::Constant(value) = term else { return None };
-        if error.direction.is_rotation() || value.abs() < POSITION {
+        // What a fit found is no slip of a hand.
+        if error.direction.is_rotation() || value.abs() < POSITION || is_fitted_location(document, &error) {
             return None;
         }
         let (value, axis) = (significant(*value, 4), &error.axis);
