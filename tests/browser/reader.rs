@@ -239,3 +239,38 @@ pub fn slide() {
     }
     bench.quiet();
 }
+
+/// Names of all axes in the picture, X Y Z, a scale, views, and lever arms whose lengths are those of the geometry.
+pub fn views() {
+    let bench = Bench::of_config("bench-views", "trunnion.yaml");
+    let notes = "return [...document.querySelectorAll('#stage .notes span')].map((of) => of.textContent).sort();";
+    let wait_notes = |count: usize| {
+        wait(&bench.browser, &format!("return document.querySelectorAll('#stage .notes span').length === {count};"));
+        bench.browser.run(notes)
+    };
+    assert_eq!(wait_notes(5), json!(["A", "C", "X", "Y", "Z"]));
+    assert_eq!(bench.browser.run("return document.querySelector('#stage .triad').textContent;"), "XYZ");
+    bench.click("arms");
+    // At the zero pose the tip is at (0, 0, -120); C stands at (250, 225), A lies at Y = 225, Z = -350, and they meet.
+    let [c, a] = [250_f64.hypot(225.0), 225_f64.hypot(230.0)];
+    let found = wait_notes(8);
+    for words in [format!("C arm {c:.2} mm"), format!("A arm {a:.2} mm"), "A to C 0 mm".to_owned()] {
+        assert!(found.as_array().unwrap().contains(&json!(words)), "{words}: {found}");
+    }
+    let picture = || bench.browser.run("return document.querySelector('#stage canvas').toDataURL();");
+    let mut seen = vec![];
+    for view in ["front", "right", "top", "fit"] {
+        bench.click(&format!("view-{view}"));
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        let drawn = picture();
+        assert!(!seen.contains(&drawn), "{view} is another picture");
+        seen.push(drawn);
+        bench.browser.screenshot(&kept().join(format!("workbench-view-{view}.png")), false);
+    }
+    // Of a scale of so many mm the width is that on the screen: from the front an axis is as long as it is.
+    let bar = bench.browser.run("const bar = document.querySelector('.scale-bar'); return [parseFloat(bar.textContent), bar.getBoundingClientRect().width];");
+    assert!(bar[0].as_f64().unwrap() > 0.0 && (20.0..300.0).contains(&bar[1].as_f64().unwrap()), "{bar}");
+    let _ = bench.browser.run("location.reload();");
+    wait(&bench.browser, "return document.getElementById('arms')?.getAttribute('aria-pressed') === 'true';");
+    bench.quiet();
+}

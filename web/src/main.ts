@@ -26,7 +26,7 @@ import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Beside } from "./machine/beside";
 import { Deviation } from "./machine/deviation";
-import { Stage } from "./machine/stage";
+import { Stage, type View } from "./machine/stage";
 import { Acceptance } from "./review/acceptance";
 import { Answers } from "./review/answers";
 import { Control } from "./review/control";
@@ -181,7 +181,8 @@ class Workbench {
     const { stage } = this;
     if (stage)
       byId("poses").append(
-        button("PNG", () => download.canvas("machine", stage.canvas), PICTURE),
+        ...views(stage),
+        button("PNG", () => download.canvas("machine", stage.picture), PICTURE),
         button("glTF", () => (stage.gltf ? save("machine.glb", stage.gltf) : undefined), {
           title: "Download the machine as it stands as glTF",
           id: "gltf",
@@ -487,7 +488,7 @@ class Workbench {
   /** Buttons that download the first screen. */
   private slide(): HTMLElement[] {
     const picture = () => {
-      const canvas = this.stage?.canvas;
+      const canvas = this.stage?.picture;
       return slide(canvas ? { url: canvas.toDataURL(), width: canvas.width, height: canvas.height } : null);
     };
     const png = () => {
@@ -553,6 +554,27 @@ function standing(dragged: (axis: Axis, position: number, rests: boolean) => voi
     byId("stage").textContent = "This browser cannot draw in three dimensions (WebGL); everything else works.";
     return null;
   }
+}
+
+/** From where the machine is looked at, and the lengths of its arms. */
+function views(stage: Stage): HTMLElement[] {
+  const all: [View, string][] = [
+    ["", "Fit"],
+    ["front", "Front"],
+    ["right", "Right"],
+    ["top", "Top"],
+  ];
+  const views = all.map(([view, words]) =>
+    button(words, () => stage.look(stage.pose, view), { id: `view-${view || "fit"}` }),
+  );
+  const arms = button("Arms", () => measure(place().arms === ""), { id: "arms", title: "Lengths of lever arms" });
+  const measure = (does: boolean) => {
+    move({ arms: does ? "yes" : "" });
+    arms.setAttribute("aria-pressed", String(does));
+    stage.measure(does);
+  };
+  measure(place().arms !== "");
+  return [make("span", { class: "views", role: "group", "aria-label": "View" }, ...views), arms];
 }
 
 type Face = Evaluator & Store;

@@ -27,7 +27,7 @@ interface Compensated {
 }
 
 /** Rest before all controls are asked, one after the other, ms: an edit or a choice comes first. */
-const REST = 1500;
+const REST = 4000;
 
 /** What a control leaves. */
 interface Left {

@@ -27,6 +27,8 @@ export interface Place {
   pane: string;
   /** Picture beside the machine. */
   beside: string;
+  /** Not empty where lever arms have their lengths. */
+  arms: string;
   /** Units of the reader, `uin-arcsec`; empty for those of the file. */
   units: string;
 }
@@ -49,6 +51,7 @@ export function place(): Place {
     pane: of("pane"),
     goal: of("goal"),
     units: of("units"),
+    arms: of("arms"),
   };
 }
 
