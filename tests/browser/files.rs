@@ -74,7 +74,7 @@ fn downloaded(bench: &Bench, panel: &str, folder: &Path, name: &str, ending: &st
 }
 
 /// Returns the texts of a picture, which are all within its frame and none on another, and its width and height.
-fn read_svg(browser: &Browser, svg: &str) -> (Vec<String>, [u32; 2]) {
+pub fn read_svg(browser: &Browser, svg: &str) -> (Vec<String>, [u32; 2]) {
     let script = format!(
         "const holder = document.createElement('div'); holder.innerHTML = {}; document.body.append(holder); \
          const svg = holder.querySelector('svg'), frame = svg.getBoundingClientRect(); \

@@ -12,12 +12,14 @@ mod blank;
 mod checks;
 mod driver;
 mod files;
+mod frames;
 mod mailed;
 mod meeting;
 #[path = "../it/support/packed.rs"]
 mod packed;
 mod page;
 mod pictures;
+mod reader;
 mod review;
 mod watch;
 mod workbench;
@@ -25,7 +27,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 41] = [
+const CHECKS: [checks::Check; 47] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -65,6 +67,12 @@ const CHECKS: [checks::Check; 41] = [
     ("a value of the base becomes an entry of the open file", meeting::overrides),
     ("nothing is cut at 390 px, panel by panel", meeting::narrow),
     ("only the page of the workbench may ask and save", workbench::tokens),
+    ("a frame of the picture is few draw calls, whatever is dragged", frames::draw_calls),
+    ("views, names and arms stand over the picture, and the address keeps them", reader::views),
+    ("figures are read in micro-inch and arcsec everywhere, and kept so", reader::units),
+    ("the report below is read in the same units", reader::report_units),
+    ("a first page has machine, verdict and answers, in letters of 8 pt", reader::paper),
+    ("first screen and machine are downloaded as SVG, PNG and glTF", reader::slide),
     ("screenshots of the workbench", workbench::screenshots),
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),
 ];

@@ -26,7 +26,7 @@ import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Beside } from "./machine/beside";
 import { Deviation } from "./machine/deviation";
-import { Stage } from "./machine/stage";
+import { Stage, type View } from "./machine/stage";
 import { Acceptance } from "./review/acceptance";
 import { Answers } from "./review/answers";
 import { Control } from "./review/control";
@@ -34,6 +34,7 @@ import { AxisCurve } from "./review/curve";
 import { Pareto } from "./review/pareto";
 import { Part } from "./review/part";
 import { ReachLine } from "./review/reach";
+import { slide } from "./review/slide";
 import { StatisticsTable } from "./review/statistics";
 import { Tighten } from "./review/tighten";
 import { Variants } from "./review/variants";
@@ -43,18 +44,22 @@ import { move, place } from "./ui/address";
 import { Chips } from "./ui/chips";
 import { choices } from "./ui/conflict";
 import { button, byId, make } from "./ui/dom";
-import { download } from "./ui/download";
+import { download, save } from "./ui/download";
 import { Tabs } from "./ui/tabs";
 import { Pane } from "./ui/pane";
 import { Problems } from "./ui/problems";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
+import { UnitChoice } from "./ui/unit-choice";
 
 /** Time between two looks at the file on the disk, and where the program does not answer, ms. */
 const [LOOK, LOOK_LOST] = [400, 2000];
 
 /** Code of a tool that a machine does not have. */
 const NO_TOOL = "E0801";
+
+/** The picture of the machine on paper, in pixels. */
+const PAPER: [number, number] = [1100, 480];
 
 const PICTURE = { title: "Download the picture as PNG" };
 
@@ -77,6 +82,10 @@ class Workbench {
     add: (list, axis) => this.rebuild(axisAdded(this.editor.view.state, list, axis)),
     remove: (list, axis) => this.rebuild(axisRemoved(this.editor.view.state, list, axis)),
   });
+  private readonly units = new UnitChoice(
+    () => this.editor.text,
+    () => this.reads(),
+  );
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(
     byId("verdict"),
@@ -170,12 +179,28 @@ class Workbench {
       { name: "acceptance", label: "Test", panel: this.panels.acceptance },
     ]);
     const { stage } = this;
-    if (stage) byId("poses").append(button("PNG", () => download.canvas("machine", stage.canvas), PICTURE));
+    if (stage)
+      byId("poses").append(
+        ...views(stage),
+        button("PNG", () => download.canvas("machine", stage.picture), PICTURE),
+        button("glTF", () => (stage.gltf ? save("machine.glb", stage.gltf) : undefined), {
+          title: "Download the machine as it stands as glTF",
+          id: "gltf",
+        }),
+      );
+    panels.answers.append(make("p", { class: "files", id: "slide" }, "This screen: ", ...this.slide()));
     this.keep = button(store.verb, () => void this.save(), { class: "primary", id: "save" });
-    byId("actions").append(...this.choice(), ...(store.isReadOnly ? [] : [this.undo, this.redo, this.keep]));
+    byId("actions").append(
+      this.units.select,
+      ...this.choice(),
+      ...(store.isReadOnly ? [] : [this.undo, this.redo, this.keep]),
+    );
     if (store.isReadOnly) document.body.dataset["readOnly"] = "yes";
     if (store instanceof Report) this.report(store);
-    followTheme((dark) => [this.stage, this.beside].forEach((of) => of?.theme(dark)));
+    followTheme(
+      (dark) => [this.stage, this.beside].forEach((of) => of?.theme(dark)),
+      (does, dark) => this.stage?.print(does ? PAPER : null, dark),
+    );
     window.addEventListener("beforeunload", (event) => {
       if (this.isChanged && store.verb === "Save") event.preventDefault();
     });
@@ -185,6 +210,7 @@ class Workbench {
     const { machine, text, work, part } = await this.store.open();
     this.part.begin(work, part);
     this.editor.open(text, this.nonce);
+    this.units.take();
     this.session.take(this.tools.chosen);
     this.session.open(machine, text);
     this.whatif.follow();
@@ -283,11 +309,18 @@ class Workbench {
     this.changed(false);
   }
 
+  /** All is read in other units: what stands is said anew, and what panels hold is asked anew. */
+  private reads(): void {
+    this.deviation.update();
+    this.session.refresh();
+  }
+
   private get isChanged(): boolean {
     return this.editor.text !== this.session.kept;
   }
 
   private changed(draft: boolean): void {
+    if (!draft) this.units.take();
     this.session.change(this.editor.text, draft, this.whatif?.keepsChain);
     this.buttons();
   }
@@ -452,6 +485,20 @@ class Workbench {
     if (section >= 0) this.editor.reveal(section);
   }
 
+  /** Buttons that download the first screen. */
+  private slide(): HTMLElement[] {
+    const picture = () => {
+      const canvas = this.stage?.picture;
+      return slide(canvas ? { url: canvas.toDataURL(), width: canvas.width, height: canvas.height } : null);
+    };
+    const png = () => {
+      const { svg, width, height } = picture();
+      void download.png("review", svg, width, height);
+    };
+    const title = (as: string) => ({ title: `Download machine, verdict and answers as ${as}` });
+    return [button("SVG", () => download.svg("review", picture().svg), title("SVG")), button("PNG", png, title("PNG"))];
+  }
+
   /** The choice among several machine files. */
   private choice(): HTMLElement[] {
     const { store } = this;
@@ -509,6 +556,27 @@ function standing(dragged: (axis: Axis, position: number, rests: boolean) => voi
   }
 }
 
+/** From where the machine is looked at, and the lengths of its arms. */
+function views(stage: Stage): HTMLElement[] {
+  const all: [View, string][] = [
+    ["", "Fit"],
+    ["front", "Front"],
+    ["right", "Right"],
+    ["top", "Top"],
+  ];
+  const views = all.map(([view, words]) =>
+    button(words, () => stage.look(stage.pose, view), { id: `view-${view || "fit"}` }),
+  );
+  const arms = button("Arms", () => measure(place().arms === ""), { id: "arms", title: "Lengths of lever arms" });
+  const measure = (does: boolean) => {
+    move({ arms: does ? "yes" : "" });
+    arms.setAttribute("aria-pressed", String(does));
+    stage.measure(does);
+  };
+  measure(place().arms !== "");
+  return [make("span", { class: "views", role: "group", "aria-label": "View" }, ...views), arms];
+}
+
 type Face = Evaluator & Store;
 
 async function face(): Promise<Face> {
@@ -517,7 +585,8 @@ async function face(): Promise<Face> {
   if (given.evaluator === "playground") return Playground.load(place().example);
   const { place: at, ...report } = (await unpacked(given.zlib ?? "", "deflate").json()) as ReportStart;
   // The first look: the work and the control that the report was written with.
-  if (!location.hash) move({ work: at.work ?? "", target: at.target ?? "" });
+  const isFirst = Object.entries(place()).every(([name, value]) => !value || name === "units");
+  if (isFirst) move({ work: at.work ?? "", target: at.target ?? "" });
   return new Report({ place: at, ...report }, place().example, (note) => (byId("note").textContent = note));
 }
 

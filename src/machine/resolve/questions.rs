@@ -1,5 +1,6 @@
 //! Geometry that is allowed and seldom meant: `check` asks about it.
 
+use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Axis, AxisKind, Branch, ErrorTerm, Machine, Sense, Travel};
@@ -190,7 +191,8 @@ fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<
             }
             ErrorTerm::Tolerance(_) => return None,
         };
-        if value.abs() < POSITION {
+        // What a fit found is no slip of a hand.
+        if value.abs() < POSITION || is_fitted_location(document, &error) {
             return None;
         }
         let (value, axis) = (significant(value, 4), &error.axis);

@@ -23,6 +23,70 @@ async function start() {
   data = await unpacked(document.getElementById("data"));
   views = [...root.querySelectorAll(".field")].map((section) => connect(section));
   redraw();
+  inUnits();
+  new MutationObserver(inUnits).observe(document.body, { attributeFilter: ["data-units"] });
+}
+
+/** Units of the reader, a length and an angle: name, and size in um or urad. The workbench above chooses them. */
+function units() { return JSON.parse(document.body.dataset.units ?? '[{"name":"µm","size":1},{"name":"µrad","size":1}]'); }
+
+/** Writes figures and words of the report in the units of the reader; those of pictures stay. */
+function inUnits() {
+  const [length, angle] = units();
+  const isOwn = length.size === 1 && angle.size === 1;
+  root.querySelector(".pictures-in").hidden = isOwn;
+  const of = (unit) => (unit === "um" ? length : unit === "urad" ? angle : { size: 1 });
+  for (const span of root.querySelectorAll(".n")) {
+    span.dataset.own ??= span.textContent;
+    const path = span.dataset.at.split("/").slice(1), value = path.reduce((at, key) => at?.[key], data);
+    const size = unitSize(path, of);
+    if (size === 1 || typeof value !== "number") { span.textContent = span.dataset.own; continue; }
+    const number = value / size, { digits } = span.dataset;
+    const text = digits ? String(Number(number.toPrecision(Number(digits)))) : number.toFixed(2);
+    span.textContent = (span.dataset.own.startsWith("+") && number > 0 ? "+" : "") + text.replace("-", "−");
+  }
+  // Orientation stands there in urad and arcsec: once is enough.
+  for (const cell of root.querySelectorAll('.n[data-at*="/rotation_arcsec/"]')) {
+    const line = cell.closest("tr");
+    if (line) line.hidden = angle.size !== 1;
+  }
+  const walker = document.createTreeWalker(root, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    if (!node.parentElement || node.parentElement.closest(".n, svg, .said, style, script, .pictures-in, #conventions")) continue;
+    words.set(node, words.get(node) ?? node.data);
+    const text = inWords(words.get(node), length, angle);
+    if (node.data !== text) node.data = text;
+  }
+  views.forEach((view) => view.show());
+}
+
+/** Words as the program wrote them. */
+const words = new WeakMap();
+
+/** A sentence with its numbers in the units of the reader; um/m is a ratio. */
+function inWords(text, length, angle) {
+  const number = (digits, size) => String(Number((Number(digits.replace("−", "-")) / size).toPrecision(4))).replace("-", "−");
+  return text
+    .replaceAll("µm/m", "ppm")
+    .replace(/([−-]?\d[\d.]*)( to [−-]?\d[\d.]*)?([ \u00a0])(µm|µrad|um|urad)\b/g, (_, first, second, space, unit) => {
+      const { name, size } = unit.endsWith("m") ? length : angle;
+      return `${number(first, size)}${second ? ` to ${number(second.slice(4), size)}` : ""}${space}${name}`;
+    })
+    .replaceAll("µm", length.name)
+    .replaceAll("µrad", angle.name);
+}
+
+/** Size of the unit of a figure, by the names that lead to it. */
+function unitSize(path, of) {
+  const last = path.findLast((key) => /(^|_)(um|urad)(_|$)/.test(key)) ?? "";
+  const own = path.slice(0, -1).reduce((at, key) => at?.[key], data)?.unit;
+  const isListed = path.at(-2) === "tolerance", list = path.slice(0, isListed ? -2 : -1);
+  if (path.includes("tolerance") || path.includes("locations"))
+    return of((own ?? list.reduce((at, key) => at?.[key], data)?.unit ?? "").replace("µ", "u")).size;
+  if (last === "um_per_unit") return of("um").size / of(own).size;
+  if (last.includes("um_per_m")) return 1;
+  if (/(errors|contributions)\/\d+\/minus_first/.test(path.join("/"))) return of("um").size;
+  return of(/(^|_)urad(_|$)/.test(last) ? "urad" : last ? "um" : "").size;
 }
 
 function redraw() { views.forEach((view) => view.draw()); }
@@ -75,23 +139,26 @@ function connect(section) {
 /** What is seen, in words and with the data's numbers. */
 function sentence(view) {
   const { field, choice } = view, layer = view.layer(), at = view.at();
+  const [{ name, size }] = units(), um = (value, digits) => shown(value / size, digits);
   const place = (positions) => field.grid.map((axis, k) => `${axis.name} = ${shown(positions[k], 6)} ${axis.unit}`).join(", ");
   const worst = field.grid.map((axis) => at.worst_at[axis.name]);
   let text = `Field: ${layer.label}`;
   if (field.stations.length > 1) text += ` at ${field.stations[choice.station].label}`;
-  text += `. Largest ${shown(at.max_um, 4)} µm at ${place(worst)}; mean of the nodes ${shown(at.mean_um, 4)} µm.`;
+  text += `. Largest ${um(at.max_um, 4)} ${name} at ${place(worst)}; mean of the nodes ${um(at.mean_um, 4)} ${name}.`;
   if (choice.node === null) return text;
   const node = place(view.place(choice.node).slice(0, field.grid.length).map((i, k) => field.grid[k].positions[i]));
-  if (at.length_nm) return `${text} Node ${node}: ${shown(at.length_nm[choice.node] / 1000, 5)} µm.`;
-  const d = [0, 1, 2].map((k) => shown(at.deviation_nm[3 * choice.node + k] / 1000, 5));
-  return `${text} Node ${node}: d = (${d.join(", ")}) µm.`;
+  if (at.length_nm) return `${text} Node ${node}: ${um(at.length_nm[choice.node] / 1000, 5)} ${name}.`;
+  const d = [0, 1, 2].map((k) => um(at.deviation_nm[3 * choice.node + k] / 1000, 5));
+  return `${text} Node ${node}: d = (${d.join(", ")}) ${name}.`;
 }
 
 function showScale(section, scale) {
   const list = section.querySelector(".ticks");
+  const [{ name, size }] = units();
+  section.querySelector(".scale p").textContent = name;
   list.replaceChildren(...scale.ticks_um.map((tick) => {
     const item = document.createElement("li");
-    item.textContent = shown(tick, 4);
+    item.textContent = shown(tick / size, 4);
     item.style.bottom = scale.max_um > 0 ? `${(100 * tick) / scale.max_um}%` : "0";
     return item;
   }));

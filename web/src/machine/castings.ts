@@ -517,7 +517,8 @@ class Builder {
       this.put("bed", box("guide", along(wall, of.up, -0.08 * s), axis.direction, of.up, [run, 0.5 * s, 0.16 * s]));
       const rail = along(wall, of.up, -0.56 * s);
       this.put("bed", box("bed", rail, axis.direction, of.up, [run, 1.1 * s, 0.8 * s]));
-      for (const share of [-0.48, -0.16, 0.16, 0.48]) {
+      // Two of them: more would stand before the part.
+      for (const share of [-0.48, 0.48]) {
         const top = along(rail, axis.direction, share * (run - s));
         this.put("bed", beam("bed", top, this.atFloor(top), axis.direction, 0.9 * s, 0.9 * s));
       }

@@ -12,12 +12,13 @@ import {
   type Rows,
   type Vec3,
 } from "../evaluator/types";
-import { counted, rounded } from "../review/number";
+import { counted } from "../review/number";
 import type { Session } from "../session";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
 import type { FieldNode } from "./marks";
 import type { Stage } from "./stage";
+import { bare, named, quantity } from "../units";
 
 /** Nodes of the field along each linear axis, and of a slice. */
 const [NODES, SLICE] = [5, 11];
@@ -152,7 +153,7 @@ export class Deviation {
     const [here, other] = seen.map((of) => of.nodes[0]);
     if (!here) return;
     const value = strong("here", here.length_um);
-    const parts = here.deviation_um?.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ");
+    const parts = here.deviation_um?.map((um, i) => `${"XYZ"[i]} ${bare(um)}`).join(", ");
     const scale = this.field.value ? [this.scale(most)] : [];
     if (!parts) {
       const words = "95 % of machines with these bounds deviate here less than ";
@@ -160,7 +161,7 @@ export class Deviation {
     }
     if (here.length_um === 0 && !other?.length_um)
       return this.legend.replaceChildren("No error that has a value acts at this pose.");
-    const drawn = ` (${parts} µm), drawn ${counted(times)} times as large: nominal tool yellow, actual red`;
+    const drawn = ` (${parts} ${named("um")}), drawn ${counted(times)} times as large: nominal tool yellow, actual red`;
     const beside = other ? [make("span", {}, "Beside it ", strong("beside", other.length_um))] : [];
     this.legend.replaceChildren(
       make("span", {}, "Deviation here, machine coordinates, ", value, drawn),
@@ -172,19 +173,13 @@ export class Deviation {
   private scale(most: number): HTMLElement {
     const bar = make("span", { class: "scale" });
     bar.style.background = `linear-gradient(to right, ${this.stage?.marks.colours.join(", ")})`;
-    return make(
-      "span",
-      { class: "colours", id: "scale", "data-most": String(most) },
-      "0 ",
-      bar,
-      ` ${rounded(most)} µm`,
-    );
+    return make("span", { class: "colours", id: "scale", "data-most": String(most) }, "0 ", bar, ` ${quantity(most)}`);
   }
 }
 
 function strong(at: string, um: number): HTMLElement {
-  const words = um > 0 && um < 5e-4 ? "< 0.001" : rounded(um);
-  return make("strong", { "data-at": at, "data-value": String(um) }, `${words} µm`);
+  const words = um > 0 && um < 5e-4 ? `< 0.001 ${named("um")}` : quantity(um);
+  return make("strong", { "data-at": at, "data-value": String(um) }, words);
 }
 
 function node(of: Evaluated["poses"][number], mapped: Rows["rows"]["poses"][number] | undefined): FieldNode {

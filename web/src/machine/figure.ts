@@ -70,6 +70,18 @@ export class Figure {
     return { origin: origin.toArray(), direction: direction.toArray() };
   }
 
+  /** The middle of the body of an axis, in the machine's coordinates. */
+  middle(axis: Axis): Vec3 {
+    const box = new three.Box3();
+    for (const of of this.bodies.get(axis.name)?.children ?? []) {
+      if (!(of instanceof three.Mesh)) continue;
+      const geometry = of.geometry as three.BufferGeometry;
+      if (!geometry.boundingBox) geometry.computeBoundingBox();
+      if (geometry.boundingBox) box.union(geometry.boundingBox.clone().applyMatrix4(of.matrixWorld));
+    }
+    return box.isEmpty() ? this.line(axis).origin : (box.getCenter(new three.Vector3()).toArray() as Vec3);
+  }
+
   /** The tip of the tool in use. */
   get tip(): Vec3 {
     const { toolInUse, tool } = this.layout;

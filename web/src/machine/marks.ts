@@ -2,8 +2,8 @@
 
 import * as three from "three";
 import type { Vec3 } from "../evaluator/types";
-import { rounded } from "../review/number";
 import type { Told } from "./pick";
+import { bare, quantity } from "../units";
 
 /** A node of a field: nominal position in the workpiece frame, mm, and length of the deviation, um. What is only
  * bounded has no direction. */
@@ -192,7 +192,7 @@ export class Marks {
 /** Length of the deviation at a node, with its parts. */
 function nodeWords(node: FieldNode | undefined): string {
   if (!node) return "";
-  if (!node.deviation_um) return `95 %: ${rounded(node.length_um)} µm`;
-  const parts = node.deviation_um.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ");
-  return `${rounded(node.length_um)} µm (${parts})`;
+  if (!node.deviation_um) return `95 %: ${quantity(node.length_um)}`;
+  const parts = node.deviation_um.map((um, i) => `${"XYZ"[i]} ${bare(um)}`).join(", ");
+  return `${quantity(node.length_um)} (${parts})`;
 }

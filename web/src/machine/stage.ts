@@ -6,10 +6,13 @@ import { type Axis, type Chain, geometry, type Pose, type Vec3 } from "../evalua
 import { Drag, type Grip } from "./drag";
 import { Arms } from "./arms";
 import { Figure, type Materials } from "./figure";
+import { gltf } from "./gltf";
 import { Guide } from "./guide";
 import { type FieldNode, Marks, type WorkPoint } from "./marks";
+import { Overlay, round } from "./overlay";
 import { hides, Pick } from "./pick";
 import type { Material } from "./shapes";
+import { scaled } from "./vectors";
 
 const LIGHT: Record<Material, number> = {
   bed: 0x9aa4ae,
@@ -32,10 +35,15 @@ const DARK: Record<Material, number> = {
   line: 0x161a1f,
 };
 
+/** Where a machine is looked at from; empty for where the tool is seen. */
+export type View = "" | "front" | "right" | "top";
+
 export class Stage {
   readonly marks = new Marks();
   private readonly guide = new Guide();
   private readonly arms = new Arms();
+  private readonly overlay: Overlay;
+  private ground: three.GridHelper | null = null;
   private readonly scene = new three.Scene();
   private readonly camera = new three.PerspectiveCamera(32, 1, 1, 1e6);
   /** Where `look` has put the camera. */
@@ -55,6 +63,8 @@ export class Stage {
   private chosen = "";
   /** True while something is moved by hand: the picture is coarser then, and follows. */
   private isHeld = false;
+  /** Width and height of the picture on paper, while it is printed. */
+  private paper: [number, number] | null = null;
   /** Pixels of the picture to one of the screen while something is held. */
   private readonly coarse: number;
 
@@ -82,6 +92,7 @@ export class Stage {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
+    this.overlay = new Overlay(parent);
     new Pick(parent, canvas, this.scene, this.camera);
     new ResizeObserver(() => this.refit()).observe(parent);
     this.theme(false);
@@ -150,15 +161,24 @@ export class Stage {
     return figure.carriers(first.object).map(grip);
   }
 
-  /** Puts the camera before the whole machine. */
-  look(pose: Pose): void {
+  /** Shows the lengths of lever arms, and the distances of pivots. */
+  measure(does: boolean): void {
+    this.overlay.hasArms = does;
+    this.draw();
+  }
+
+  /** Puts the camera before the whole machine: as a view has it, or where the tool is seen. */
+  look(pose: Pose, view: View = ""): void {
     if (!this.figure) return;
     const corners = this.figure.corners(pose);
     if (!corners.length) return;
     const { center, place } = this.figure.viewpoint(corners);
+    const { up, back, right } = this.figure.layout;
     this.resize();
-    this.camera.up.set(...this.figure.layout.up);
-    this.camera.position.copy(place);
+    this.camera.up.set(...(view === "top" ? back : up));
+    const from = { "": null, front: scaled(back, -1), right, top: up }[view];
+    const far = place.distanceTo(center);
+    this.camera.position.copy(from ? center.clone().addScaledVector(new three.Vector3(...from), far) : place);
     this.controls.target.copy(center);
     for (let i = 0; i < 4; i += 1) this.frame(corners);
     const distance = this.camera.position.distanceTo(this.controls.target);
@@ -167,8 +187,26 @@ export class Stage {
     this.camera.updateProjectionMatrix();
     this.limit(distance, this.controls.target);
     this.controls.update();
-    this.placed.copy(this.camera.position);
+    if (view === "") this.placed.copy(this.camera.position);
     this.sun(corners);
+    this.draw();
+  }
+
+  /** A grid on the floor below the machine, with lines of a round length. */
+  private floor(corners: three.Vector3[]): void {
+    this.ground?.dispose();
+    this.ground?.removeFromParent();
+    const up = new three.Vector3(...(this.figure?.layout.up ?? [0, 0, 1]));
+    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
+    const low = Math.min(...corners.map((corner) => corner.dot(up)));
+    const step = round(radius / 3);
+    const lines = 2 * Math.ceil((1.3 * radius) / step);
+    const ground = new three.GridHelper(lines * step, lines, 0x7d8791, 0x7d8791);
+    Object.assign(ground.material, { transparent: true, opacity: 0.25, depthWrite: false });
+    ground.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), up);
+    ground.position.copy(center).addScaledVector(up, low - center.dot(up));
+    this.ground = ground;
+    this.scene.add(ground);
   }
 
   /** No hand brings the camera so far, or so far aside, that nothing is left in the picture. */
@@ -227,6 +265,10 @@ export class Stage {
     // It empties the picture, which is drawn in the same frame.
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.renderer.render(this.scene, this.camera);
+    const { render } = this.renderer.info;
+    Object.assign(this.renderer.domElement.dataset, { calls: render.calls, triangles: render.triangles });
+    const { x, y } = this.renderer.getSize(new three.Vector2());
+    if (this.figure) this.overlay.draw(this.figure, this.camera, x, y, this.pixel);
   }
 
   /** Draws coarser while something is held, and once more when it is let go. */
@@ -292,9 +334,33 @@ export class Stage {
     return Math.tan((this.camera.fov * Math.PI) / 360);
   }
 
-  /** The picture as it is. */
-  get canvas(): HTMLCanvasElement {
-    return this.renderer.domElement;
+  /** A copy of the picture as it is, with the names of axes. */
+  get picture(): HTMLCanvasElement {
+    const { domElement: canvas } = this.renderer;
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const brush = copy.getContext("2d");
+    brush?.drawImage(canvas, 0, 0);
+    if (brush) this.overlay.print(brush, this.renderer.getPixelRatio());
+    return copy;
+  }
+
+  /** The machine as it stands, as binary glTF. */
+  get gltf(): Blob | null {
+    return this.figure && gltf(this.figure.root, this.figure.layout.up);
+  }
+
+  /** Draws at once in a size of paper and in light colours, or as on the screen again. */
+  print(paper: [number, number] | null, isDark: boolean): void {
+    this.paper = paper;
+    this.theme(isDark);
+    this.refit();
+    this.parent.querySelector(".paper")?.remove();
+    if (!paper) return;
+    // What WebGL draws is not always printed: a copy in two dimensions is.
+    const copy = this.picture;
+    copy.className = "paper";
+    this.parent.append(copy);
   }
 
   /** Takes another size; the whole machine stays in a picture that nobody has turned. */
@@ -306,10 +372,10 @@ export class Stage {
   }
 
   private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.parent;
+    const [width, height] = this.paper ?? [this.parent.clientWidth, this.parent.clientHeight];
     const { x, y } = this.renderer.getSize(new three.Vector2());
     if (!width || !height || (x === width && y === height)) return;
-    this.renderer.setSize(width, height);
+    this.renderer.setSize(width, height, !this.paper);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.draw();
@@ -323,6 +389,7 @@ export class Stage {
   }
 
   private sun(corners: three.Vector3[]): void {
+    this.floor(corners);
     const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const { up, back, right } = this.figure?.layout ?? { up: [0, 0, 1], back: [0, 1, 0], right: [1, 0, 0] };
     this.sky.position.set(...(up as Vec3));

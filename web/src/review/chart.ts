@@ -1,7 +1,7 @@
 /** Bars and tables as pictures of their own, for documents: nothing from the page's style. */
 
 import type { Picture } from "../ui/files";
-import { rounded } from "./number";
+import { quantity } from "../units";
 
 export interface ChartBar {
   name: string;
@@ -23,7 +23,7 @@ export function barChart(title: string, note: string, bars: ChartBar[]): Picture
       text(12, y + 16, bar.name, 'font-weight="bold"'),
       text(78, y + 16, cut(bar.words), 'font-size="11"'),
       `<rect x="${LEFT}" y="${y + 5}" width="${length.toFixed(2)}" height="15" fill="#1d5fa8"/>`,
-      text(LEFT + length + 6, y + 17, `${rounded(bar.um)} µm`, ""),
+      text(LEFT + length + 6, y + 17, quantity(bar.um), ""),
     ];
   });
   return picture(title, note, HEAD + ROW * bars.length + 12, lines);

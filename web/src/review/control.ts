@@ -1,7 +1,15 @@
 /** What a control can repair: the machine with the files that `compile` would write for it, and without. */
 
 import { Newest } from "../evaluator/newest";
-import { accepted, type Over, type Refusal, type Summary, type Target, refusals } from "../evaluator/types";
+import {
+  accepted,
+  type Over,
+  type Question,
+  type Refusal,
+  type Summary,
+  type Target,
+  refusals,
+} from "../evaluator/types";
 import { FULL, isSettled, type Session, type State } from "../session";
 import type { Answer, Tell } from "./answers";
 import { move, place } from "../ui/address";
@@ -9,6 +17,7 @@ import { make } from "../ui/dom";
 import { row, table, tableFiles } from "../ui/table";
 import { figure } from "./number";
 import { scopeOf } from "./verdict";
+import { said } from "../units";
 
 interface Compensated {
   over: Over;
@@ -17,12 +26,23 @@ interface Compensated {
   uncompensated: { position_um: Summary; rotation_urad: Summary };
 }
 
+/** Rest before all controls are asked, one after the other, ms: an edit or a choice comes first. */
+const REST = 4000;
+
+/** What a control leaves. */
+interface Left {
+  target: Target;
+  found: Compensated;
+}
+
 export class Control {
   private readonly select = make("select", { id: "target" }, make("option", { value: "" }, "choose one"));
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
   private targets: Target[] = [];
   private isBounded = false;
+  /** Number of the last update: what is asked for an earlier one stops. */
+  private turn = 0;
 
   constructor(
     parent: HTMLElement,
@@ -43,20 +63,21 @@ export class Control {
 
   show(state: State): void {
     this.body.classList.toggle("stale", !isSettled(state));
+    this.turn += 1;
     if (!isSettled(state)) return;
     this.isBounded = state.now.map?.from === "bounds" || !state.now.sources?.errors.length;
     this.update();
   }
 
   private update(): void {
+    const turn = (this.turn += 1);
     void this.asking.do(async () => {
       await this.list();
       const name = this.select.value;
       const target = this.targets.find((of) => of.target === name);
-      if (!target) return this.nothing();
+      if (!target) return this.nothing(turn);
       if (this.isBounded) return this.inKind(target);
-      const question = { map: { poses: { random: FULL.poses }, target: name } };
-      const [answer] = await this.session.ask([question]);
+      const [answer] = await this.session.ask([corrected(name)]);
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
       this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
@@ -77,9 +98,41 @@ export class Control {
     });
   }
 
-  private nothing(): void {
+  /** No control is chosen: all are tried, or of a machine of which nothing is measured named with what they correct. */
+  private nothing(turn: number): void {
     this.body.replaceChildren();
     this.tell("repair");
+    if (!this.targets.length) return;
+    if (!this.isBounded) return void this.all(turn);
+    const rows = this.targets.map((of) => row(of.title, of.expresses));
+    this.body.replaceChildren(scrolling(table(["Control", "corrects, once measured"], rows)));
+    const why = [`Each of ${rows.length} controls corrects its kinds of errors: see Control.`];
+    this.tell("repair", { words: "Once measured", mark: "open", why });
+  }
+
+  /** Asks what each control leaves, one after the other: that takes seconds. */
+  private async all(turn: number): Promise<void> {
+    await new Promise((resolve) => setTimeout(resolve, REST));
+    const left: Left[] = [];
+    // Lattices for other programs are no control.
+    for (const target of this.targets.filter((of) => !of.target.startsWith("grid-"))) {
+      if (turn !== this.turn) return;
+      const [answer] = await this.session.ask([corrected(target.target)]).catch(() => []);
+      const found = accepted<Compensated>(answer);
+      if (turn !== this.turn) return;
+      if (found) left.push({ target, found });
+      left.sort((a, b) => after(a) - after(b));
+      if (found) this.ranked(left);
+    }
+  }
+
+  private ranked(left: Left[]): void {
+    const [best] = left;
+    if (!best) return;
+    const rows = left.map((of) => row(of.target.title, figure(`left-${of.target.target}`, after(of), "µm")));
+    const list = table(["Control", `leaves, ${scopeOf(best.found.over)}`], rows);
+    this.body.replaceChildren(scrolling(list));
+    this.tell("repair", { ...repaired(best.found, best.target), why: [`With the best: ${best.target.title}.`] });
   }
 
   private async list(): Promise<void> {
@@ -91,9 +144,18 @@ export class Control {
   }
 }
 
+const corrected = (target: string): Question => ({ map: { poses: { random: FULL.poses }, target } });
+
+const scrolling = (of: HTMLElement) => make("div", { class: "scroll", tabindex: "0" }, of);
+
+/** The figure of the headline. */
+const judged = (over: Over) => (over.kind === "job" ? "max" : "p95");
+
+const after = ({ found: { over, position_um } }: Left): number => position_um[judged(over)];
+
 /** By the figure of the headline. */
 function repaired({ over, position_um, uncompensated }: Compensated, target: Target): Answer {
-  const by = over.kind === "job" ? "max" : "p95";
+  const by = judged(over);
   const [before, after] = [uncompensated.position_um[by], position_um[by]];
   const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
   const share = before > 0 ? `${Math.max(0, Math.round(100 * (1 - after / before)))} %` : "Nothing";
@@ -125,7 +187,7 @@ function shown({ over, position_um, rotation_urad, uncompensated }: Compensated,
 
 /** What a control corrects, and what not. */
 function limits(target: Target): HTMLElement[] {
-  const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
+  const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, said(line))));
   return [make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`), cannot];
 }
 

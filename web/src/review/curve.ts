@@ -7,8 +7,8 @@ import { isSettled, type Session, type State } from "../session";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
-import { rounded } from "./number";
 import { lineChart, MARGIN, type Sample, SIZE } from "./lines";
+import { bare, named, quantity } from "../units";
 
 /** Intervals of the curve. */
 const STEPS = 80;
@@ -155,10 +155,10 @@ export class AxisCurve {
   private read(of: Sample | undefined): void {
     const { axis } = this;
     if (!of || !axis) return;
-    const parts = of.parts ? ` (${of.parts.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ")} µm)` : "";
+    const parts = of.parts ? ` (${of.parts.map((um, i) => `${"XYZ"[i]} ${bare(um)}`).join(", ")} ${named("um")})` : "";
     const at = `${axis.name} ${Number(of.at.toFixed(1))} ${axis.unit}`.replace("-", "−");
     const value = make("strong", { "data-at": "curve", "data-value": String(of.um), "data-axis-at": String(of.at) });
-    value.textContent = `${rounded(of.um)} µm`;
+    value.textContent = quantity(of.um);
     this.readout.replaceChildren(`${at}: `, value, parts);
     this.plot.setAttribute("aria-valuetext", this.readout.textContent ?? "");
   }

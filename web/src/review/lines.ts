@@ -1,6 +1,7 @@
 /** Curves over the travel of an axis as SVG: the length of the deviation and its parts, told apart by dashes too. */
 
 import type { Vec3 } from "../evaluator/types";
+import { inReaders, named } from "../units";
 
 export interface Sample {
   /** Position of the axis. */
@@ -19,7 +20,9 @@ const LINES = [
   { name: "Z", colour: "#8a6d00", dash: "9 3 2 3" },
 ];
 
-export function lineChart(title: string, xLabel: string, samples: Sample[], ink: string): string {
+export function lineChart(title: string, xLabel: string, given: Sample[], ink: string): string {
+  const read = (um: number) => inReaders(um, "um");
+  const samples = given.map(({ at, um, parts }) => ({ at, um: read(um), parts: parts && (parts.map(read) as Vec3) }));
   const { width, height } = SIZE;
   const values = samples.flatMap(({ um, parts }) => [um, ...(parts ?? [])]);
   const [low, high] = [Math.min(0, ...values), Math.max(...values, 1e-9)];
@@ -49,7 +52,13 @@ export function lineChart(title: string, xLabel: string, samples: Sample[], ink:
   const whole = `<path d="${path(({ um }) => um)}" fill="none" stroke="${ink}" stroke-width="2.2"/>`;
   const axes = [
     text(width - MARGIN.right, height - 4, xLabel, ink, "end"),
-    text(4, height - 4, last?.parts ? "µm; full line: length" : "µm, 95 % of machines", ink, "start"),
+    text(
+      4,
+      height - 4,
+      last?.parts ? `${named("um")}; full line: length` : `${named("um")}, 95 % of machines`,
+      ink,
+      "start",
+    ),
   ];
   const font = 'font-family="DejaVu Sans, Helvetica, Arial, sans-serif" font-size="11"';
   const size = `width="${width}" height="${height}" viewBox="0 0 ${width} ${height}"`;
@@ -80,8 +89,8 @@ export function ticks(low: number, high: number, count: number): number[] {
 
 const tick = (value: number) => String(Number(value.toPrecision(6))).replace("-", "−");
 
-const escaped = (words: string) => words.replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
+export const escaped = (words: string) => words.replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
 
-function text(x: number, y: number, words: string, colour: string, anchor: string): string {
+export function text(x: number, y: number, words: string, colour: string, anchor: string): string {
   return `<text x="${x.toFixed(1)}" y="${y.toFixed(1)}" fill="${colour}" text-anchor="${anchor}">${escaped(words)}</text>`;
 }

@@ -8,8 +8,9 @@ import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
 import { plainly } from "../explain/name";
 import type { Answer, Tell } from "./answers";
-import { difference, figure, pair, rounded } from "./number";
+import { difference, figure, pair } from "./number";
 import { isOverJob, scopeOf } from "./verdict";
+import { bound, quantity } from "../units";
 
 /** A bar of the chart. */
 export interface Bar {
@@ -23,13 +24,23 @@ export interface Bar {
 
 const FEW = 7;
 
-/** Each error alone where errors are measured; what tightening each tolerance would gain where they are bounded. */
-export function bars(of: Findings): Bar[] {
-  if (of.sources?.errors.length && !ofMachines(of))
-    return ranked(of).map(({ error, words, ...um }) => ({ error, words, um: um[judged(of)], sigma: 0 }));
+/** What ranks first, and below it the rest: errors with values, or bounds, of a machine that has both. */
+export function bars(of: Findings): [first: Bar[], rest: Bar[]] {
+  const [values, bounds] = [valued(of), bounded(of)];
+  const [first, rest] = values.length && !ofMachines(of) ? [values, bounds] : [bounds, values];
+  return [first, rest.filter(({ error }) => !first.some((bar) => bar.error === error))];
+}
+
+/** Each error alone, largest first. */
+function valued(of: Findings): Bar[] {
+  return ranked(of).map(({ error, words, ...um }) => ({ error, words, um: um[judged(of)], sigma: 0 }));
+}
+
+/** What tightening each tolerance would gain. */
+function bounded(of: Findings): Bar[] {
   return (of.budget?.tighten ?? []).map((entry) => ({
     error: entry.error,
-    words: `${of.words[entry.error] ?? ""} Bound: ±${Number(entry.tolerance.toPrecision(4))} ${entry.unit.replace("u", "µ")}`,
+    words: `${of.words[entry.error] ?? ""} Bound: ±${bound(entry.tolerance, entry.unit)}`,
     um: entry.um_of_p95,
     sigma: entry.um_of_p95_sigma,
   }));
@@ -41,10 +52,9 @@ const judged = (of: Findings): "max_um" | "p95_um" => (isOverJob(of) ? "max_um" 
 /** True where the headline is of drawn machines, bounds beside values: then the values alone do not rank. */
 const ofMachines = (of: Findings): boolean => isOverJob(of) && !!of.map?.bounds_add && of.budget !== null;
 
-/** The errors that have values and make the headline, largest first. */
+/** The errors that have values, largest first. */
 function ranked(of: Findings): Source[] {
   const by = judged(of);
-  if (ofMachines(of)) return [];
   return [...(of.sources?.errors ?? [])].sort((a, b) => b[by] - a[by]);
 }
 
@@ -97,40 +107,38 @@ export class Pareto {
   }
 
   private drawn(state: State): void {
-    const isOfValues = !!state.now?.sources?.errors.length && !ofMachines(state.now);
+    const { now, kept } = state;
+    const isOfValues = !!now?.sources?.errors.length && !ofMachines(now);
     const isHere = this.here && this.there.length > 0 && isOfValues;
-    const list = isHere ? this.there : state.now ? bars(state.now) : [];
-    if (!state.now || !list.length)
+    const [first, rest] = now ? bars(now) : [[], []];
+    const list = isHere ? this.there : first;
+    if (!now || !list.length)
       return this.parent.replaceChildren(make("p", { class: "words" }, "No error has a value or a bound."));
-    const kept = new Map((state.kept && !isHere ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
-    const most = Math.max(...list.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
-    const shown = this.whole ? list : list.slice(0, FEW);
-    const measured = isOfValues;
+    const [before, restBefore] = kept ? bars(kept) : [[], []];
+    const longest = Math.max(list.length, rest.length);
     const more =
-      list.length > FEW
-        ? [button(this.whole ? "Show the largest only" : `Show all ${list.length}`, () => this.toggle())]
-        : [];
+      longest > FEW ? [button(this.whole ? "Show the largest only" : `Show all ${longest}`, () => this.toggle())] : [];
     this.parent.classList.toggle("stale", state.stale);
-    const head = measured ? "What dominates" : "What to tighten";
-    const over = scopeOf(state.now.map?.over);
+    const head = isOfValues ? "What dominates" : "What to tighten";
     const words = isHere
       ? "Part of each error along the deviation at the present pose; the parts add up to it."
-      : measured
-        ? isOverJob(state.now)
-          ? `Each error alone, ${over}: its largest deviation.`
-          : `Each error alone, ${over}: 95 % of the poses deviate less.`
-        : `Part of each tolerance in what 95 % of the drawn machines keep, ${over}.`;
+      : wordsOf(now, isOfValues);
     this.parent.replaceChildren(
-      ...(measured ? [this.choice()] : []),
+      ...(isOfValues ? [this.choice()] : []),
       make("p", { class: "words" }, words),
-      make("ol", { class: "bars" }, ...shown.map((bar) => this.bar(bar, kept.get(bar.error) ?? null, most))),
-      make(
-        "p",
-        { class: "files" },
-        ...more,
-        ...downloads(`${state.now.chain.machine}: ${head.toLowerCase()}`, words, list),
-      ),
+      this.list(list, isHere ? [] : before),
+      ...(rest.length && !isHere
+        ? [make("p", { class: "words" }, wordsOf(now, !isOfValues)), this.list(rest, restBefore)]
+        : []),
+      make("p", { class: "files" }, ...more, ...downloads(`${now.chain.machine}: ${head.toLowerCase()}`, words, list)),
     );
+  }
+
+  private list(of: Bar[], before: Bar[]): HTMLElement {
+    const kept = new Map(before.map((bar) => [bar.error, bar.um]));
+    const most = Math.max(...of.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
+    const shown = this.whole ? of : of.slice(0, FEW);
+    return make("ol", { class: "bars" }, ...shown.map((bar) => this.bar(bar, kept.get(bar.error) ?? null, most)));
   }
 
   private toggle(): void {
@@ -185,6 +193,14 @@ export class Pareto {
   }
 }
 
+/** What the bars of errors with values, or of bounds, are. */
+function wordsOf(of: Findings, areValues: boolean): string {
+  const over = scopeOf(of.map?.over);
+  if (!areValues) return `Part of each tolerance in what 95 % of the drawn machines keep, ${over}.`;
+  const figure = isOverJob(of) ? "its largest deviation" : "95 % of the poses deviate less";
+  return `Each error with a value alone, ${over}: ${figure}.`;
+}
+
 /** True if the bars of both are the same: a held slider brings each error alone less often than the map. */
 function sameBars(one: State, other: State): boolean {
   const isSame = (a: Findings | null, b: Findings | null) =>
@@ -195,7 +211,7 @@ function sameBars(one: State, other: State): boolean {
 /** The largest error alone, in words, and the one that counts most at the worst pose. */
 function dominates(of: Findings): Answer | undefined {
   const { sources, map, budget, chain } = of;
-  const [first] = ranked(of);
+  const [first] = ofMachines(of) ? [] : ranked(of);
   const named = (error: string) => make("span", { "data-error": error, tabindex: "0" }, error);
   const words = (error: string) => make("span", { "data-error": error, tabindex: "0" }, said(error, of));
   if (!first) {
@@ -204,13 +220,13 @@ function dominates(of: Findings): Answer | undefined {
     const all = budget.position_um.monte_carlo.percentiles["p95"];
     const worst = map?.bounds?.worst[0]?.axes;
     const where = worst && chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ");
-    const part = [figure("answer-first", most.um_of_p95, "µm"), all ? ` of ${rounded(all.value)} µm` : ""];
+    const part = [figure("answer-first", most.um_of_p95, "µm"), all ? ` of ${quantity(all.value)}` : ""];
     return { words: words(most.error), figure: part, why: [named(most.error), where ? `; worst at ${where}.` : "."] };
   }
   const [there] = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
   const size = [figure("answer-first", first[judged(of)], "µm")];
   if (!there) return { words: words(first.error), figure: size };
-  const whole = map ? ` of ${rounded(map.position_um.max)} µm` : "";
+  const whole = map ? ` of ${quantity(map.position_um.max)}` : "";
   const why = [named(first.error), " alone; at the worst pose ", named(there.error), " makes "];
   return {
     words: words(first.error),
@@ -222,9 +238,8 @@ function dominates(of: Findings): Answer | undefined {
 /** An error in words, with its size where it is one number. */
 function said(error: string, { chain, numbers }: Findings): string {
   const size = numbers[error];
-  const unit = size?.unit === "um" ? "µm" : "µrad";
   const words = plainly(error, chain);
-  const by = size ? ` by ${size.bound ? "up to " : ""}${rounded(Math.abs(size.value))} ${unit}` : "";
+  const by = size ? ` by ${size.bound ? "up to " : ""}${quantity(Math.abs(size.value), size.unit)}` : "";
   return words.charAt(0).toUpperCase() + words.slice(1) + by;
 }
 

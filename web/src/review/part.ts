@@ -21,7 +21,8 @@ import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
-import { figure, rounded } from "./number";
+import { figure } from "./number";
+import { bare, named, quantity, rounded, said } from "../units";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
 const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
@@ -236,8 +237,8 @@ export class Part {
         ` tool poses of ${name} are reached`,
         ...this.largest(reached),
       ),
-      make("p", { class: "words", id: "part-over" }, `${work.over}.`),
-      ...(work.limit ? [make("p", { class: "words", id: "part-limit" }, `Job: ${work.limit}.`)] : []),
+      make("p", { class: "words", id: "part-over" }, said(`${work.over}.`)),
+      ...(work.limit ? [make("p", { class: "words", id: "part-limit" }, said(`Job: ${work.limit}.`))] : []),
       this.legend(colours, rows),
       ...(work.map.path ? [events(work.map.path)] : []),
       ...this.features(work),
@@ -264,7 +265,7 @@ export class Part {
     const most = Math.max(0, ...rows.filter((row) => row.axes).map(deviation));
     const scale = make("span", { class: "scale" });
     scale.style.background = `linear-gradient(to right, ${this.stage?.marks.colours.join(", ")})`;
-    const colouring = make("li", {}, "0 ", scale, ` ${rounded(most)} µm`);
+    const colouring = make("li", {}, "0 ", scale, ` ${quantity(most)}`);
     return make("ul", { class: "inline" }, colouring, ...[...colours].map(entry));
   }
 
@@ -286,7 +287,7 @@ export class Part {
       .slice(0, 3)
       .flatMap(({ error, um }) => [
         make("span", { "data-error": error, tabindex: "0" }, error),
-        `\u00a0${rounded(um)}\u00a0µm, `,
+        `\u00a0${bare(um)}\u00a0${named("um")}, `,
       ]);
     if (of.unreached) causes.push(`${of.unreached} of ${of.poses + of.unreached} poses out of reach, `);
     const last = causes.pop();
@@ -348,7 +349,7 @@ function placed({ placement, svg, over }: PlacedPart): HTMLElement[] {
   const head = make("p", { class: "words", id: "places-over" }, `${over}.`);
   const tried = `${places} places were tried, ${reach_all} reach all tool poses. `;
   const rows = [placeRow("Best", best), placeRow("Own", own)].filter((row) => row !== null);
-  const columns = ["", "X, Y, Z mm", "A, B, C deg", "reached", "rewinds", "95 % µm", "max µm"];
+  const columns = ["", "X, Y, Z mm", "A, B, C deg", "reached", "rewinds", `95 % ${named("um")}`, `max ${named("um")}`];
   const header = make("tr", {}, ...columns.map((of) => make("th", {}, of)));
   const table = make("table", { id: "places-table" }, make("thead", {}, header), make("tbody", {}, ...rows));
   const picture = make("img", { alt: "The places, coloured; best and own are marked", class: "picture" });
@@ -359,7 +360,7 @@ function placed({ placement, svg, over }: PlacedPart): HTMLElement[] {
 
 function placeRow(name: string, of: PlacedPart["placement"]["own"] | null | undefined): HTMLElement | null {
   if (!of) return null;
-  const um = (value: number | null | undefined) => (value == null ? "–" : rounded(value));
+  const um = (value: number | null | undefined) => (value == null ? "–" : bare(value));
   const { origin, rotation } = of.place;
   const numbers = [origin.map(rounded).join(", "), rotation.map(rounded).join(", "), `${of.reached}`];
   const cells = [name, ...numbers, `${of.rewinds ?? "–"}`, um(of.p95_um), um(of.max_um)];
@@ -376,7 +377,7 @@ function fits(rows: WorkRow[], stops: string[]): Answer {
 
 /** The bars of the features as files. */
 function chartFiles(title: string, list: Feature[]): HTMLElement {
-  const causes = (of: Feature) => of.errors.map(({ error, um }) => `${error} ${rounded(um)} µm`).join(", ");
+  const causes = (of: Feature) => of.errors.map(({ error, um }) => `${error} ${quantity(um)}`).join(", ");
   const chart = () =>
     barChart(
       title,
@@ -411,7 +412,7 @@ function points(work: Work, colours: Map<string, string>, go: (pose: Pose) => vo
     const row = rows.get(line);
     const axes = row?.axes;
     if (row && axes) {
-      const words = `line ${line}: ${rounded(deviation(row))} µm`;
+      const words = `line ${line}: ${quantity(deviation(row))}`;
       return { tip, um: deviation(row), stopped: "", words, click: () => go(axes) };
     }
     const of = row ? stop(row) : "";

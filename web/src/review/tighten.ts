@@ -10,16 +10,24 @@ import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
-import { figure, rounded } from "./number";
+import { figure } from "./number";
 import { deciding, scopeOf, verdict } from "./verdict";
+import { bare, both, bound, fromField, inReaders, named, quantity, rounded, toField } from "../units";
 
 export class Tighten {
-  private readonly input = make("input", { type: "number", min: "0", step: "any", id: "goal", value: place().goal });
+  private readonly input = make("input", {
+    type: "number",
+    min: "0",
+    step: "any",
+    id: "goal",
+    value: toField(place().goal),
+  });
   private readonly find = button("Find tolerances", () => this.ask(), { class: "primary", id: "find-tolerances" });
   private readonly answer = make("div", { "aria-live": "polite" });
   private readonly problem = make("p", { class: "words" });
   private readonly asking: Newest;
   private readonly scope = make("span", {}, "over the volume");
+  private readonly unit = make("span", {});
   private bounded = false;
   /** The limit, um, and whether it is held. */
   private limit = 0;
@@ -37,12 +45,12 @@ export class Tighten {
   ) {
     this.asking = new Newest(failed);
     this.input.addEventListener("input", () => {
-      move({ goal: this.input.value });
+      move({ goal: fromField(this.input.value) });
       this.offer();
     });
     this.input.addEventListener("keydown", ({ key }) => key === "Enter" && this.ask());
     const label = make("label", { for: "goal" }, "Goal for 95 % of machines, ", this.scope, " ");
-    const row = make("p", {}, label, this.input, " µm ", this.find);
+    const row = make("p", {}, label, this.input, this.unit, this.find);
     const words = "The cheapest tolerances for a goal: halving one costs 1, and none becomes coarser (budget --goal).";
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
   }
@@ -56,13 +64,15 @@ export class Tighten {
     this.limit = Number(place().limit) || (now?.limit?.um ?? 0);
     this.isHeld = now !== null && verdict(now, place().limit).startsWith("Passes");
     this.first = state.now?.budget?.tighten[0];
-    this.input.placeholder = this.limit ? String(this.limit) : "";
+    this.input.placeholder = this.limit ? toField(String(this.limit)) : "";
+    this.input.value = document.activeElement === this.input ? this.input.value : toField(place().goal);
+    this.unit.textContent = ` ${named("um")} `;
     this.find.disabled = !bounded;
     this.problem.textContent = bounded
       ? ""
       : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
     if (!isSettled(state)) return;
-    const budget = JSON.stringify([state.now.budget, this.limit]);
+    const budget = JSON.stringify([state.now.budget, this.limit, both()]);
     if (budget === this.last) return;
     this.last = budget;
     this.answer.replaceChildren();
@@ -71,7 +81,7 @@ export class Tighten {
 
   /** The goal that is typed, or else the limit, um. */
   private get goal(): number {
-    return Number(this.input.value) || this.limit;
+    return Number(fromField(this.input.value)) || this.limit;
   }
 
   /** In the review: the search takes seconds, and waits for a hand. */
@@ -87,7 +97,7 @@ export class Tighten {
       return this.tell("tighten", { words: "Nothing", mark: "yes", why: ["The limit is held."] });
     if (goal > 0)
       return this.tell("tighten", {
-        words: button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
+        words: button(`Find tolerances for ${quantity(goal)}`, () => this.ask(), { class: "link" }),
       });
     if (!first) return this.tell("tighten");
     const name = make("span", { "data-error": first.error, tabindex: "0" }, first.error);
@@ -113,24 +123,24 @@ export class Tighten {
   private shown(goal: ToleranceGoal): HTMLElement[] {
     const { cost, proof_um: proof, tolerances } = goal;
     const { low, high } = proof;
-    const interval = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
-    const price = cost.per_um === null ? "" : ` (${rounded(cost.per_um)} for a further µm)`;
+    const interval = low === null || high === null ? "" : ` (${bare(low)} to ${bare(high)})`;
+    const price =
+      cost.per_um === null ? "" : ` (${rounded(cost.per_um / inReaders(1, "um"))} for a further ${named("um")})`;
     const facts = make(
       "p",
       {},
       figure("goal-proof", proof.value, "µm"),
       `${interval} by ${goal.proof_samples} other machines, `,
-      `before ${rounded(goal.before_um.value)} µm; `,
+      `before ${quantity(goal.before_um.value)}; `,
       `cost ${priceOf(goal)}${price}.`,
     );
     const changed = tolerances.filter(changes);
     const rows = changed.map((of) => {
-      const unit = of.unit.replace("u", "µ");
       return row(
         make("th", { scope: "row", "data-error": of.error, tabindex: "0" }, of.error),
-        `${Number(of.old.toPrecision(4))} ${unit}`,
-        figure(`goal-${of.error}`, of.new, unit),
-        `${rounded(of.um_of_p95)} µm`,
+        bound(of.old, of.unit),
+        figure(`goal-${of.error}`, of.new, of.unit),
+        quantity(of.um_of_p95),
       );
     });
     const list = table(["Error", "is", "new", "part of the figure"], rows);
@@ -155,10 +165,10 @@ function tightened(goal: ToleranceGoal): Answer {
   const finer = goal.tolerances.filter((of) => of.new < of.old).sort((a, b) => a.new / a.old - b.new / b.old);
   const cost = `cost ${priceOf(goal)}`;
   if (!finer.length) return { words: "Nothing", mark: "yes", why: [`The goal is met; ${cost}.`] };
-  const [first, ...others] = finer.map((of) => `${of.error} to ${rounded(of.new)} ${of.unit.replace("u", "µ")}`);
+  const [first, ...others] = finer.map((of) => `${of.error} to ${quantity(of.new, of.unit)}`);
   const more = others.length > 2 ? ` and ${others.length - 2} more` : "";
   const also = others.length ? `Also ${others.slice(0, 2).join(", ")}${more}. ` : "";
-  return { words: first ?? "", mark: "no", figure: [cost], why: [`${also}Then ${rounded(goal.proof_um.value)} µm.`] };
+  return { words: first ?? "", mark: "no", figure: [cost], why: [`${also}Then ${quantity(goal.proof_um.value)}.`] };
 }
 
 const changes = (of: ToleranceGoal["tolerances"][number]) => of.new !== of.old;

@@ -9,8 +9,9 @@ import type { Tell } from "./answers";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
-import { figure, rounded } from "./number";
+import { figure } from "./number";
 import { scopeOf } from "./verdict";
+import { between, quantity } from "../units";
 
 /** Names of the texts of variants, in the folder of the machine so that what they name is found. */
 const file = (letter: string) => `variant-${letter}.abbe.yaml`;
@@ -216,7 +217,7 @@ export function verdictOf(of: Comparison, machine: number): Judgement {
   if (verdict === "equal")
     return { which: "equal", by: ["Nothing"], sure: by.drawn ? "Equal: in every drawn machine." : "Equal" };
   const ends = interval(of, by, machine);
-  const band = ends && `${rounded(ends[0])} to ${rounded(ends[1])} µm`;
+  const band = ends && between(ends);
   const words = [figure("answer-by", by.um, "µm"), by.drawn ? " for 95 % of machines" : ` ${figureOf(by)}`];
   if (verdict === "not_told_apart")
     return { which: "open", by: words, sure: `No: ${band ?? "they are not told apart"}.` };
@@ -232,8 +233,8 @@ export function judgement(of: Comparison, machine = 1): string {
   if (!verdict || !by) return `No verdict: ${judged?.reason ?? "not known"}.`;
   if (verdict === "equal") return by.drawn ? "Equal in every drawn machine." : "Equal.";
   const ends = interval(of, by, machine);
-  const band = ends ? ` (${rounded(ends[0])} to ${rounded(ends[1])} µm)` : "";
-  const size = `${rounded(by.um)} µm${band} ${figureOf(by)}`;
+  const band = ends ? ` (${between(ends)})` : "";
+  const size = `${quantity(by.um)}${band} ${figureOf(by)}`;
   if (verdict === "not_told_apart") return `Not told apart: ${size}.`;
   const which = verdict === "better" ? "Better" : "Worse";
   if (band || by.drawn)
@@ -254,7 +255,7 @@ function because(of: Comparison): HTMLElement[] {
       "li",
       {},
       make("span", { "data-error": error, tabindex: "0", class: "error-name" }, error),
-      ` ${by > 0 ? "+" : ""}${rounded(by)} µm`,
+      ` ${by > 0 ? "+" : ""}${quantity(by)}`,
     ),
   );
   return [

@@ -6,7 +6,8 @@ import type { Over } from "../evaluator/types";
 import type { Findings, State } from "../session";
 import { button, make } from "../ui/dom";
 import { move, place } from "../ui/address";
-import { counted, difference, figure, pair, rounded } from "./number";
+import { counted, difference, figure, pair } from "./number";
+import { between, fromField, named, quantity, said, toField } from "../units";
 
 /** The figure that decides, with the interval that is known of it. */
 export interface Deciding {
@@ -142,7 +143,7 @@ export class Verdict {
     if (!now) return this.parent.replaceChildren(...this.scope(), ...this.nothing(state));
     const kept = state.kept && deciding(state.kept);
     const band = now.band
-      ? make("p", { class: "band" }, `${rounded(now.band[0])} to ${rounded(now.band[1])} µm: ${now.source}`)
+      ? make("p", { class: "band" }, `${between(now.band)}: ${now.source}`)
       : make("p", { class: "band" }, now.source);
     this.parent.classList.toggle("stale", state.stale);
     const title = `Error ${scopeOf(state.now?.map?.over)}`;
@@ -180,7 +181,7 @@ export class Verdict {
     if (refused.length && !state.stale)
       return [
         make("h2", {}, "No figure over the job"),
-        ...refused.map((reason) => make("p", { class: "refused" }, `${reason}.`)),
+        ...refused.map((reason) => make("p", { class: "refused" }, said(`${reason}.`))),
       ];
     const words = state.stale
       ? ["The file is refused: see the marks in the editor."]
@@ -205,21 +206,21 @@ export class Verdict {
       min: "0",
       step: "any",
       id: "limit",
-      value: place().limit,
-      placeholder: of.limit ? String(of.limit.um) : "none",
+      value: toField(place().limit),
+      placeholder: of.limit ? toField(String(of.limit.um)) : "none",
     });
     const answer = make("strong", {});
     const judge = () => {
-      const found = verdict(of, input.value);
+      const found = verdict(of, fromField(input.value));
       answer.textContent = found;
       answer.className = found ? `verdict-${found.split(/[ :,]/)[0]?.toLowerCase()}` : "";
     };
     input.addEventListener("input", () => {
-      move({ limit: input.value });
+      move({ limit: fromField(input.value) });
       judge();
     });
     judge();
-    return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, " µm ", answer);
+    return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, ` ${named("um")} `, answer);
   }
 }
 
@@ -236,7 +237,7 @@ export function verdict(of: Deciding, typed: string): string {
   const limit = typed === "" && own ? own.um : Number(typed);
   if (!(limit > 0)) return "";
   const [low, high] = of.band ?? [of.value, of.value];
-  const fails = `Fails by ${rounded(of.value - limit)} µm`;
+  const fails = `Fails by ${quantity(of.value - limit)}`;
   if (own && limit === own.um) {
     if (own.held === false) return fails;
     if (own.held === null && high <= limit)
@@ -245,5 +246,5 @@ export function verdict(of: Deciding, typed: string): string {
   const poses = of.worstOf ? ` at these ${counted(of.worstOf)} poses; others may be worse` : "";
   if (low > limit) return fails;
   if (high > limit) return "Open: the limit lies within the band";
-  return of.undecided ? `Open: ${of.undecided}` : `Passes by ${rounded(limit - of.value)} µm${poses}`;
+  return of.undecided ? `Open: ${of.undecided}` : `Passes by ${quantity(limit - of.value)}${poses}`;
 }

@@ -27,6 +27,10 @@ export interface Place {
   pane: string;
   /** Picture beside the machine. */
   beside: string;
+  /** Not empty where lever arms have their lengths. */
+  arms: string;
+  /** Units of the reader, `uin-arcsec`; empty for those of the file. */
+  units: string;
 }
 
 export function place(): Place {
@@ -46,6 +50,8 @@ export function place(): Place {
     beside: of("beside"),
     pane: of("pane"),
     goal: of("goal"),
+    units: of("units"),
+    arms: of("arms"),
   };
 }
 

@@ -93,7 +93,12 @@ function figures(table: HTMLTableElement, row: HTMLTableRowElement): Cell[][] {
     const whole = [...cell.querySelectorAll<HTMLElement>("[data-value]")];
     const column = heads[i + 1] ?? "";
     if (!whole.length) return [[name, column, text(cell), ""]];
-    return whole.map((of) => [name, column || text(of.parentElement ?? of), Number(of.dataset["value"]), unit(of)]);
+    return whole.map((of) => [
+      name,
+      column || text(of.parentElement ?? of),
+      Number(of.dataset["shown"] ?? of.dataset["value"]),
+      unit(of),
+    ]);
   });
 }
 

@@ -1,13 +1,13 @@
 //! The longest sum of vectors with any signs: the worst case of errors at their bounds.
 //!
-//! All sums lie in a zonotope; the longest is one of its corners, and every corner lies on a face whose
-//! normal is perpendicular to two of the vectors. So for each pair: vectors beside the face have the
-//! sign of their height, and those within it are searched in the plane, direction by direction.
+//! All sums lie in a zonotope; the longest is one of its corners, and every corner is the end of an edge along one of
+//! the vectors. So for each vector: the others have the signs of their heights over a direction across it, and as that
+//! turns one after the other changes its sign. That is a sort for each vector.
 
 use nalgebra::Vector3;
 
-/// Below this sine a vector counts as lying within the plane.
-const WITHIN: f64 = 1e-12;
+/// Below this sine two vectors count as parallel.
+const PARALLEL: f64 = 1e-12;
 
 /// Numbers of the largest vectors, and of directions spread over the sphere, from which an ascent starts; its steps.
 const STARTS: usize = 64;
@@ -22,24 +22,12 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     if let [one] = vectors[..] {
         return one.norm();
     }
-    let bars: Vec<f64> = vectors.iter().map(|v| WITHIN * v.norm()).collect();
-    let mut within = Vec::with_capacity(vectors.len());
+    let mut others = Vec::with_capacity(vectors.len());
     let mut best = 0.0_f64;
-    for (i, a) in vectors.iter().enumerate() {
-        for b in &vectors[i + 1..] {
-            let normal = a.cross(b).normalize();
-            let mut beside = Vector3::zeros();
-            within.clear();
-            for (w, bar) in vectors.iter().zip(&bars) {
-                let height = w.dot(&normal);
-                if height.abs() > *bar {
-                    beside += w * 1.0_f64.copysign(height);
-                } else {
-                    within.push((0.0, *w));
-                }
-            }
-            best = best.max(on_face(&beside, &mut within, [a, &normal]));
-        }
+    for (i, edge) in vectors.iter().enumerate() {
+        others.clear();
+        others.extend(vectors.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, other)| (0.0, *other)));
+        best = best.max(along_edges(edge, &mut others));
     }
     best
 }
@@ -79,7 +67,7 @@ fn spiral(i: usize) -> Vector3<f64> {
 fn merge_parallel(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let mut merged: Vec<Vector3<f64>> = Vec::new();
     for v in vectors {
-        match merged.iter_mut().find(|m| m.cross(&v).norm() <= WITHIN * m.norm() * v.norm()) {
+        match merged.iter_mut().find(|m| m.cross(&v).norm() <= PARALLEL * m.norm() * v.norm()) {
             Some(m) => *m += v * 1.0_f64.copysign(m.dot(&v)),
             None => merged.push(v),
         }
@@ -87,13 +75,14 @@ fn merge_parallel(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     merged
 }
 
-/// Returns the longest sum of `beside` and the vectors within a plane with any signs; `along` is one of them. Each has
-/// a place for its key.
+/// Returns the length of the longest sum at an end of the edges along a vector. Each of the others, none of them
+/// parallel to it, has a place for its key.
 #[cfg_attr(small_engine, optimize(speed))]
-fn on_face(beside: &Vector3<f64>, within: &mut [(f64, Vector3<f64>)], [along, normal]: [&Vector3<f64>; 2]) -> f64 {
-    let (u, v) = (along.normalize(), normal.cross(along).normalize());
-    for (key, w) in &mut *within {
-        // Turned into the upper half of the plane: its sign is free anyway.
+fn along_edges(edge: &Vector3<f64>, others: &mut [(f64, Vector3<f64>)]) -> f64 {
+    let u = edge.cross(&Vector3::ith(edge.iamin(), 1.0)).normalize();
+    let v = edge.cross(&u).normalize();
+    for (key, w) in &mut *others {
+        // Turned into the upper half of the plane across the edge: its sign is free anyway.
         let (mut x, mut y) = (w.dot(&u), w.dot(&v));
         if y < 0.0 || (y == 0.0 && x < 0.0) {
             (x, y, *w) = (-x, -y, -*w);
@@ -101,15 +90,15 @@ fn on_face(beside: &Vector3<f64>, within: &mut [(f64, Vector3<f64>)], [along, no
         // Rises with the angle in that half.
         *key = -x / (x.abs() + y);
     }
-    within.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    // Around the corners: one vector after the other changes its sign.
-    let mut sum = within.iter().fold(Vector3::zeros(), |sum, (_, w)| sum + w);
-    let mut best = 0.0_f64;
-    for (_, w) in within {
-        best = best.max((beside + sum).norm()).max((beside - sum).norm());
+    others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut sum = others.iter().fold(Vector3::zeros(), |sum, (_, w)| sum + w);
+    let longer = |sum: &Vector3<f64>| (edge + sum).norm_squared().max((edge - sum).norm_squared());
+    let mut best = longer(&sum);
+    for (_, w) in others {
         sum -= *w * 2.0;
+        best = best.max(longer(&sum));
     }
-    best.max((beside + sum).norm())
+    best.sqrt()
 }
 
 #[cfg(test)]
