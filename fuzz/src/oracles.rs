@@ -46,7 +46,7 @@ fn accepted<T>(what: &str, result: Result<Answer<T>, Diagnostics>) -> T {
 }
 
 fn shown(diagnostics: &Diagnostics) -> String {
-    render(diagnostics, Rendering { color: false })
+    render(diagnostics, Rendering::default())
 }
 
 /// The model of a machine is finite and that of the general algebra, for every order, from a side and at poses that the

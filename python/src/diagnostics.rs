@@ -11,7 +11,7 @@ pub fn list(diagnostics: &Diagnostics) -> String {
 
 /// Returns `abbe.DiagnosticError` for diagnostics, with the text that the program prints.
 pub fn refusal(py: Python<'_>, diagnostics: &Diagnostics) -> PyErr {
-    let text = render(diagnostics, Rendering { color: false }) + &counts(diagnostics);
+    let text = render(diagnostics, Rendering::default()) + &counts(diagnostics);
     let make = || {
         let module = py.import("abbe._diagnostics")?;
         module.getattr("refusal")?.call1((text.trim_end(), list(diagnostics)))

@@ -197,8 +197,8 @@ impl PartReference {
         motions.iter().filter_map(left).collect()
     }
 
-    /// Returns this reference and the part of the best fit over poses (mm, deg) that combines some rigid motions of which
-    /// it takes nothing out. Applied again it takes nothing out.
+    /// Returns this reference and the part of the best fit over poses (mm, deg) that combines some rigid motions of
+    /// which it takes nothing out. Applied again it takes nothing out.
     pub fn and_part_of_best_fit(self, machine: &Machine, motions: &[UnheldMotion], poses: &[Pose]) -> Self {
         let fit = Self::part_of_best_fit(machine, motions, poses);
         // The fit is of what is left.

@@ -16,7 +16,7 @@ use crate::lower::NominalPose;
 use crate::machine::{Machine, OperatingConditions, Pose, UnheldMotion};
 use crate::report::BoundedFigures;
 use crate::run::{Call, Refused};
-use crate::units::significant;
+use crate::units::{by_uncertainty, significant};
 use nalgebra::Vector3;
 
 /// Machines side by side without the rigid motion of the part that fits the deviations of each best.
@@ -90,11 +90,16 @@ impl JudgedDifference {
             (false, Statistic::Max) => "largest deviation",
             (false, Statistic::P95) => "95 % of the poses",
         };
-        let um = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value, 3));
-        let interval = self.low.zip(self.high);
-        let interval = interval.map_or_else(String::new, |(low, high)| format!(" ({}..{})", um(low), um(high)));
+        let signed = |um: f64, text: &str| format!("{}{text}", if um > 0.0 && text != "0" { "+" } else { "" });
+        let um = match self.low.zip(self.high) {
+            Some((low, high)) => {
+                let [um, from, to] = by_uncertainty(self.um, Some(low), Some(high));
+                format!("{} um ({}..{})", signed(self.um, &um), signed(low, &from), signed(high, &to))
+            }
+            None => format!("{} um", signed(self.um, &significant(self.um, 3))),
+        };
         let class = self.class.as_ref().map_or_else(String::new, |name| format!(" of class {name}, values left out"));
-        format!("{of}{class}: {} um{interval}", um(self.um))
+        format!("{of}{class}: {um}")
     }
 }
 

@@ -20,7 +20,6 @@ pub(crate) mod compile;
 pub(crate) mod compiled_model;
 pub(crate) mod compose;
 pub(crate) mod convert;
-pub mod dialogue;
 mod diff;
 pub(crate) mod diff_machines;
 pub(crate) mod effects;
@@ -97,4 +96,4 @@ pub use verify::{VerifyOptions, verify};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::machine::CLASS_NAMES;
-pub use crate::syntax::{Disk, Files, MemoryFiles};
+pub use crate::syntax::{Disk, Files, MemoryFiles, dialogue};

@@ -4,11 +4,13 @@ pub use super::check::annotations;
 pub use crate::controller::micro;
 pub use crate::diagnostic::{Reason, Rendering, did_you_mean, render, shown, summary as counts};
 pub use crate::evaluate::UnknownOrder;
-pub use crate::job::over::fold;
 pub use crate::job::poses::axes_text;
 pub use crate::report::cell;
 pub use crate::standards::NOT_VERIFIED;
-pub use crate::units::{Failure as UnknownQuantity, angle, counted, length, number, significant};
+pub use crate::units::{
+    Failure as UnknownQuantity, angle, by_uncertainty, counted, fold, fold_beside, length, number, significant,
+    with_sigma, within,
+};
 
 /// Parses a length with its unit, such as `2 um`, mm.
 ///

@@ -288,7 +288,7 @@ codes! {
     W0801 "poses beyond the travel",
     W0802 "errors that are only bounded",
     W0803 "parts of monomials are left out",
-    W0804 "angles that look like radians",
+    W0804 "positions that look like radians or metres",
     W0820 "the certificate of an instrument has ended",
     W0850 "the part is not zeroed",
     W0851 "a path that needs rewinds",

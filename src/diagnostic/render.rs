@@ -1,7 +1,9 @@
 //! Diagnostics to text, as rustc prints them: code, place, the line, help.
 
 use super::{Diagnostic, Diagnostics, Label, Severity};
+use crate::units::fold_beside;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Options of rendering.
@@ -9,6 +11,8 @@ use std::ops::Range;
 pub struct Rendering {
     /// True for ANSI colours.
     pub color: bool,
+    /// True for messages and help in lines of 80 columns; lines of files stay as they are.
+    pub folded: bool,
 }
 
 /// Longest piece of a line that is shown; files without line breaks exist.
@@ -18,8 +22,8 @@ const WIDEST_LINE: usize = 400;
 pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = if rendering.color { Renderer::styled() } else { Renderer::plain() };
     let renderer = renderer.term_width(160);
-    let mut text: String =
-        diagnostics.iter().take(MAX_SHOWN).map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect();
+    let one = |d: &Diagnostic| renderer.render(&[group(diagnostics, d, rendering.folded)]) + "\n\n";
+    let mut text: String = diagnostics.iter().take(MAX_SHOWN).map(one).collect();
     let more = diagnostics.count().saturating_sub(MAX_SHOWN);
     if more > 0 {
         text.push_str(&format!("and {more} more\n\n"));
@@ -29,6 +33,9 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
 
 /// The first of them: those that follow are of the same kind as a rule.
 const MAX_SHOWN: usize = 50;
+
+/// Columns in front of a message: `refused[E0604]: `; in front of help are fewer.
+const TAKEN: usize = 16;
 
 /// One line for the end of the run: `2 mistakes, 1 warning`; empty if there are none.
 pub fn summary(diagnostics: &Diagnostics) -> String {
@@ -51,14 +58,15 @@ fn level(severity: Severity) -> Level<'static> {
     }
 }
 
-fn group<'a>(diagnostics: &'a Diagnostics, diagnostic: &'a Diagnostic) -> Group<'a> {
-    let title = level(diagnostic.severity).primary_title(&diagnostic.message).id(diagnostic.code.id);
+fn group<'a>(diagnostics: &'a Diagnostics, diagnostic: &'a Diagnostic, folded: bool) -> Group<'a> {
+    let text = |text: &'a str| if folded { Cow::Owned(fold_beside(text, TAKEN)) } else { Cow::Borrowed(text) };
+    let title = level(diagnostic.severity).primary_title(text(&diagnostic.message)).id(diagnostic.code.id);
     let mut group = Group::with_title(title);
     for (source, labels) in by_source(&diagnostic.labels) {
         group = group.element(snippet(diagnostics, source, &labels));
     }
     match &diagnostic.help {
-        Some(help) => group.element(Level::HELP.message(help)),
+        Some(help) => group.element(Level::HELP.message(text(help))),
         None => group,
     }
 }
@@ -119,6 +127,6 @@ fn window(text: &str, ranges: &[Range<usize>]) -> Range<usize> {
 /// All of them as the program prints them, with the places in their files.
 impl std::fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(render(self, Rendering { color: false }).trim_end())
+        f.write_str(render(self, Rendering::default()).trim_end())
     }
 }

@@ -3,7 +3,7 @@
 use crate::analysis::budget::Statistic;
 use crate::analysis::{SummaryBand, figure_of};
 use crate::evaluate::Summary;
-use crate::units::{counted, significant};
+use crate::units::{by_uncertainty, counted, significant};
 
 /// A limit with what it is judged by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,15 +129,19 @@ impl LimitVerdict {
             (None, None) if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
             (None, None) => "not decided".to_owned(),
         };
-        let end = |um: f64| significant(um, 4);
-        let interval =
-            self.interval_um.map_or_else(String::new, |[low, high]| format!(" ({}..{})", end(low), end(high)));
+        let um = match self.interval_um {
+            Some([low, high]) => {
+                let [um, low, high] = by_uncertainty(self.um, Some(low), Some(high));
+                format!("{um} um ({low}..{high})")
+            }
+            None => format!("{} um", significant(self.um, 4)),
+        };
         let figure = match (self.drawn, self.statistic) {
             (false, Statistic::Max) => "largest deviation",
             (false, Statistic::P95) => "95 % of the poses within",
             (true, Statistic::Max) => "95 % of machines within",
             (true, Statistic::P95) => "95 % of machines at 95 % of the poses within",
         };
-        format!("limit {} um: {verdict}; {figure} {} um{interval}", significant(self.limit_um, 6), end(self.um))
+        format!("limit {} um: {verdict}; {figure} {um}", significant(self.limit_um, 6))
     }
 }

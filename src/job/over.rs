@@ -3,6 +3,7 @@
 use super::reference::{Reference, ReferenceKind};
 use super::tool_poses::{ReachedToolPoses, ToolPoses};
 use crate::machine::Machine;
+use crate::units::fold;
 
 /// What poses are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
@@ -35,39 +36,6 @@ pub struct Over {
     /// The reference in words.
     #[serde(skip)]
     words: String,
-}
-
-/// Columns of a terminal.
-const COLUMNS: usize = 80;
-
-/// Longest text in brackets that stays in one line.
-const MAX_IN_BRACKETS: usize = 44;
-
-/// Returns a sentence in lines for a terminal of 80 columns, all but the first indented further.
-pub fn fold(sentence: &str) -> String {
-    let mut lines = vec![String::new()];
-    let mut depth = 0_usize;
-    let indent = " ".repeat(sentence.len() - sentence.trim_start_matches(' ').len() + 2);
-    // What stands in brackets, such as a point, stays in one line.
-    let ends_word = |c: char| {
-        match c {
-            '(' => depth += 1,
-            ')' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        c == ' ' && depth == 0
-    };
-    let split = |whole| {
-        let longest = if str::chars(whole).count() > MAX_IN_BRACKETS { usize::MAX } else { 1 };
-        whole.splitn(longest, ' ')
-    };
-    for word in sentence.split(ends_word).flat_map(split) {
-        if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
-            lines.push(indent.clone());
-        }
-        lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
-    }
-    lines.iter().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
 impl Over {
@@ -128,18 +96,5 @@ impl Over {
         };
         let tool = if self.tool.is_empty() { "that of the file" } else { &self.tool };
         format!("Over {of}; reference: {}; tool: {tool}", self.words)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_is_not_broken() {
-        let words = "Over a job of 361 tool poses, 361 reached, one path; reference: zero at (0, 0, 0) along (0, 0, 1)";
-        let lines: Vec<String> = fold(words).lines().map(str::to_owned).collect();
-        assert_eq!(lines[0], "Over a job of 361 tool poses, 361 reached, one path; reference: zero at");
-        assert_eq!(lines[1], "  (0, 0, 0) along (0, 0, 1)");
     }
 }

@@ -5,7 +5,7 @@ use crate::analysis::{AxisMotion, PathEvents, PoleCrossing, Rewind};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Deviation;
 use crate::machine::Machine;
-use crate::units::significant;
+use crate::units::{significant, within};
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
@@ -191,14 +191,15 @@ impl PathResult {
 impl DeviationStep {
     /// Returns it in words, such as `Largest step between rows: 2.01 um, lines 17 to 18`.
     pub fn words(&self) -> String {
-        let um = significant(self.um, 4);
         let [from, to] = self.lines;
+        let um = match self.interval_um {
+            Some([low, high]) => within(self.um, Some(low), Some(high)),
+            None => significant(self.um, 4),
+        };
         if !self.drawn {
             return format!("Largest step between rows: {um} um, lines {from} to {to}");
         }
-        let end = |um: f64| significant(um, 3);
-        let ends = self.interval_um.map_or_else(String::new, |[low, high]| format!(" ({}..{})", end(low), end(high)));
-        format!("Largest step between rows: 95 % of the machines within {um}{ends} um, there in lines {from} to {to}")
+        format!("Largest step between rows: 95 % of the machines within {um} um, there in lines {from} to {to}")
     }
 }
 

@@ -1,10 +1,11 @@
 //! Poses from text (`X=100,C=90`), from numbers and from CSV files.
 
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
-use crate::machine::{Axis, AxisKind, Machine, Pose};
+use crate::machine::{Axis, AxisKind, Machine, Pose, Travel};
 use crate::run::{Call, Refused};
-use crate::syntax::read_text;
-use crate::units;
+use crate::syntax::read_table_text;
+use crate::syntax::sheet::{self, separator};
+use crate::units::{self, significant};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -134,32 +135,45 @@ struct Column {
 /// Rows from which on a column of small angles is a sweep, not a few places.
 const SWEEP: usize = 20;
 
-/// Warns of columns of rotary axes without a unit whose angles look like radians, once each.
-pub(crate) fn radians<'p>(
+/// Warns of columns without a unit whose positions look like radians or metres, once each.
+pub(crate) fn other_units<'p>(
     machine: &Machine,
     header: &[String],
     poses: impl Iterator<Item = &'p Pose> + Clone,
     place: &Option<Place>,
 ) -> Vec<Diagnostic> {
-    let is_bare =
-        |axis: &Axis| axis.kind == AxisKind::Rotary && header.iter().any(|cell| *axis.name.as_str() == **cell);
-    let bare = machine.axes().iter().enumerate().filter(|(_, axis)| is_bare(axis));
-    let looks = |column: usize| {
-        let angles = || poses.clone().map(|pose| pose[column]);
-        let [min, max] = [angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max)];
-        angles().count() >= SWEEP && max - min > 3.0 && max.max(-min) <= std::f64::consts::TAU
-    };
-    let warning = |axis: &Axis| {
+    let is_bare = |axis: &Axis| header.iter().any(|cell| *axis.name.as_str() == **cell);
+    let one = |(column, axis): (usize, &Axis)| {
+        let positions = || poses.clone().map(|pose| pose[column]);
+        let [min, max] = [positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max)];
+        if positions().count() < SWEEP {
+            return None;
+        }
         let name = &axis.name;
-        let message = format!("the column `{name}` turns by more than 3 and ends before 2 pi: are these radians?");
-        let help = format!("positions of rotary axes are in deg; say `{name} [rad]` or `{name} [deg]` in the header");
-        Diagnostic::new(codes::W0804, message).at(place.clone(), "").help(help)
+        let (message, units) = match (axis.kind, axis.travel) {
+            (AxisKind::Rotary, _) if max - min > 3.0 && max.max(-min) <= std::f64::consts::TAU => {
+                let message =
+                    format!("the column `{name}` turns by more than 3 and ends before 2 pi: are these radians?");
+                (message, ["deg", "rad"])
+            }
+            // A fifth of the travel, if these are metres.
+            (AxisKind::Linear, Travel::Range(from, to))
+                if 1e3 * (max - min) > 0.2 * (to - from) && 1e3 * min >= from && 1e3 * max <= to =>
+            {
+                let range = format!("{} to {}", significant(min, 4), significant(max, 4));
+                (format!("the column `{name}` goes from {range} alone: are these metres?"), ["mm", "m"])
+            }
+            _ => return None,
+        };
+        let [ours, theirs] = units;
+        let help = format!("positions are in {ours}; say `{name} [{theirs}]` or `{name} [{ours}]` in the header");
+        Some(Diagnostic::new(codes::W0804, message).at(place.clone(), "").help(help))
     };
-    bare.filter(|(column, _)| looks(*column)).map(|(_, axis)| warning(axis)).collect()
+    machine.axes().iter().enumerate().filter(|(_, axis)| is_bare(axis)).filter_map(one).collect()
 }
 
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Refused> {
-    let read = read_text(path, None, call.run.files, &mut call.diagnostics);
+    let read = read_table_text(path, None, call.run.files, &mut call.diagnostics);
     let Some((source, text)) = read else { return Err(Refused) };
     let parsed = parse(machine, &text);
     let (header, poses) = parsed.or_else(|(line, refusal)| {
@@ -167,9 +181,10 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<
         let help = "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg";
         call.refuse(refusal.at(place, "").help(help))
     })?;
-    let cells: Vec<String> = text.lines().nth(header).unwrap_or("").split(',').map(|c| c.trim().to_owned()).collect();
+    let line = text.lines().nth(header).unwrap_or("");
+    let cells: Vec<String> = line.split(separator(line)).map(|cell| cell.trim().to_owned()).collect();
     let place = Some(line_place(source, &text, header));
-    call.extend(radians(machine, &cells, poses.iter(), &place));
+    call.extend(other_units(machine, &cells, poses.iter(), &place));
     Ok(poses)
 }
 
@@ -188,10 +203,11 @@ fn parse(machine: &Machine, text: &str) -> Result<(usize, Vec<Pose>), (usize, Di
     let data = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
     let mut lines = text.lines().enumerate().filter(|(_, line)| data(line));
     let (at, header) = lines.next().ok_or((0, wrong("the file has no header")))?;
-    let columns = header_columns(machine, header).map_err(|refusal| (at, refusal))?;
+    let separator = separator(header);
+    let columns = header_columns(machine, header, separator).map_err(|refusal| (at, refusal))?;
     let mut poses = Vec::new();
     for (number, line) in lines {
-        poses.push(row(machine, &columns, line).map_err(|refusal| (number, refusal))?);
+        poses.push(row(machine, &columns, line, separator).map_err(|refusal| (number, refusal))?);
         if poses.len() > MAX_POSES {
             return Err((number, wrong(format!("more than {MAX_POSES} poses; use `map` for a whole volume"))));
         }
@@ -199,9 +215,12 @@ fn parse(machine: &Machine, text: &str) -> Result<(usize, Vec<Pose>), (usize, Di
     if poses.is_empty() { Err((at, wrong("the file has no poses"))) } else { Ok((at, poses)) }
 }
 
-fn header_columns(machine: &Machine, header: &str) -> Result<Vec<Column>, Diagnostic> {
+fn header_columns(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, Diagnostic> {
     let mut columns: Vec<Column> = Vec::new();
-    for cell in header.split(',') {
+    if header.split(separator).all(|cell| sheet::number(cell, separator).is_ok()) {
+        return Err(wrong("the header is missing: the first line holds numbers"));
+    }
+    for cell in header.split(separator) {
         let (name, unit) = units::header(cell);
         let axis = machine.axis_index(name).ok_or_else(|| wrong(unknown_axis(machine, name)))?;
         if columns.iter().any(|column| column.axis == axis) {
@@ -226,14 +245,15 @@ fn factor(machine: &Machine, axis: usize, unit: &str) -> Result<f64, Diagnostic>
     }
 }
 
-fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, Diagnostic> {
-    let cells: Vec<&str> = line.split(',').collect();
+fn row(machine: &Machine, columns: &[Column], line: &str, separator: char) -> Result<Pose, Diagnostic> {
+    let cells: Vec<&str> = line.split(separator).collect();
     if cells.len() != columns.len() {
         return Err(wrong(format!("{} cells under {} columns", cells.len(), columns.len())));
     }
     let mut pose = vec![0.0; machine.axes().len()];
     for (cell, column) in cells.iter().zip(columns) {
-        pose[column.axis] = units::number(cell).map_err(|failure| wrong(failure.to_string()))? * column.factor;
+        pose[column.axis] =
+            sheet::number(cell, separator).map_err(|failure| wrong(failure.to_string()))? * column.factor;
     }
     Ok(pose)
 }

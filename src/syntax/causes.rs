@@ -63,8 +63,45 @@ pub(super) fn yaml_cause(text: &str, at: usize) -> Option<YamlCause> {
     let before = text[..begin].trim_end();
     let above = before.rfind('\n').map_or(0, |end| end + 1)..before.len();
     // The parser may notice one line late.
-    let lines = [begin..end, above];
-    lines.iter().find_map(|line| tab(text, line)).or_else(|| lines.into_iter().find_map(|line| colon(text, line, at)))
+    let lines = [begin..end, above.clone()];
+    let tab = lines.iter().find_map(|line| tab(text, line));
+    tab.or_else(|| bracket(text, &above))
+        .or_else(|| step(text, &(begin..end), &above))
+        .or_else(|| lines.into_iter().find_map(|line| colon(text, line, at)))
+}
+
+/// A bracket that its line does not close.
+fn bracket(text: &str, line: &Range<usize>) -> Option<YamlCause> {
+    let content = text[line.clone()].split(" #").next().unwrap_or_default();
+    let mut open = Vec::new();
+    let mut crossed = None;
+    for (at, c) in content.char_indices().filter(|_| !content.contains(['"', '\''])) {
+        match (c, open.last()) {
+            ('{' | '[', _) => open.push((at, c)),
+            ('}', Some((_, '{'))) | (']', Some((_, '['))) => drop(open.pop()),
+            ('}' | ']', last) => crossed = crossed.or(last.copied()),
+            _ => {}
+        }
+    }
+    // Brackets may go on in the next line behind a comma.
+    let goes_on = content.trim_end().ends_with(['{', '[', ',']);
+    let (at, c) = crossed.or(open.pop().filter(|_| !goes_on))?;
+    let end = if c == '{' { '}' } else { ']' };
+    let (start, help) = (line.start + at, format!("write `{end}` at the end of what `{c}` begins"));
+    Some(YamlCause { message: format!("`{c}` is not closed"), range: start..start + 1, help })
+}
+
+/// A line that is indented deeper than the one above, which has its value already.
+fn step(text: &str, line: &Range<usize>, above: &Range<usize>) -> Option<YamlCause> {
+    let (line, above, start) = (&text[line.clone()], &text[above.clone()], line.start);
+    let indentation = |line: &str| line.len() - line.trim_start().len();
+    let (_, value) = above.split(" #").next().unwrap_or_default().split_once(": ")?;
+    if value.trim().is_empty() || !line.contains(':') || indentation(line) <= indentation(above) {
+        return None;
+    }
+    let message = "this line is indented deeper than the one above, which has its value already".to_owned();
+    let help = "begin it in the column of the line above".to_owned();
+    Some(YamlCause { message, range: start..start + indentation(line), help })
 }
 
 /// A tab in the indentation of a line.

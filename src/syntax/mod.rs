@@ -4,6 +4,7 @@
 //! tree, `extends` merged, then section by section into the typed [`Document`].
 
 mod causes;
+pub mod dialogue;
 mod disk;
 mod document;
 mod entry;
@@ -44,8 +45,8 @@ pub use job_document::read_job;
 pub use job_text::JobText;
 pub(crate) use job_text::TOOL_POSES;
 pub use places::{Keys, below, keys};
-pub use read::read_text;
 pub(crate) use read::unreadable;
+pub use read::{read_table_text, read_text};
 pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};

@@ -20,7 +20,7 @@ pub fn read_text(
 }
 
 /// Reads a table as [`read_text`] does, and refuses files of other programs by name.
-pub(super) fn read_table_text(
+pub fn read_table_text(
     path: &Path,
     named: Option<Place>,
     files: &dyn Files,
@@ -85,6 +85,7 @@ fn missing(path: &Path, files: &dyn Files) -> Diagnostic {
     let near = || nearest(&asked, beside.iter().map(|entry| entry.name.as_str())).map(Path::new);
     match twin.or_else(near) {
         Some(near) => refusal.help(format!("there is `{}`", shown(&path.with_file_name(near).display().to_string()))),
+        None if asked.contains('\\') => refusal.help("write `/` between folders"),
         None => refusal,
     }
 }

@@ -5,6 +5,7 @@
 
 use super::files::Files;
 use super::read::read_table_text;
+use super::sheet::separator;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Dimension, Failure};
 use std::ops::Range;
@@ -249,10 +250,6 @@ fn lines(text: &str) -> Vec<Range<usize>> {
         start += line.len();
     }
     lines
-}
-
-fn separator(header: &str) -> char {
-    [';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',')
 }
 
 /// The cells of a line, trimmed, without the quotes that spreadsheets put around text.

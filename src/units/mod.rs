@@ -5,12 +5,14 @@
 //! positions of rotary axes stay in degrees, the unit they are programmed in, so that
 //! 90 and 360 are exact.
 
+mod fold;
 mod interval;
 mod parse;
 mod print;
 mod quantity;
 
+pub use fold::{fold, fold_beside};
 pub use interval::Interval;
 pub use parse::{Failure, header, number, quantity, unit};
-pub use print::{angle, counted, length, significant};
+pub use print::{angle, by_uncertainty, counted, length, significant, with_sigma, within};
 pub use quantity::{Dimension, FARTHEST, Quantity};

@@ -31,12 +31,58 @@ pub fn counted(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
+/// Returns a figure and the ends of its interval with the digits that the interval leaves certain: the last one stands
+/// for a tenth to a hundredth of its width, and none is beyond the fourth of the largest of the three.
+///
+/// An end that is not known is `-`.
+pub fn by_uncertainty(value: f64, low: Option<f64>, high: Option<f64>) -> [String; 3] {
+    let ends = || [low, high].into_iter().flatten();
+    let place = |x: f64| libm::floor(libm::log10(x.max(1e-12))) as i64;
+    let reach = ends().map(|end| (end - value).abs()).fold(0.0, f64::max);
+    let largest = ends().map(f64::abs).fold(value.abs(), f64::max);
+    let fine = if reach > 0.0 { 1 - place(2.0 * reach) } else { 12 };
+    let decimals = fine.min(3 - place(largest)).clamp(0, 12) as usize;
+    let text = |x: f64| without_sign_of_zero(format!("{x:.decimals$}"));
+    let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), text);
+    [text(value), end(low), end(high)]
+}
+
+/// Returns a figure with its interval, such as `128 (119..136)`, with the digits that it leaves certain.
+pub fn within(value: f64, low: Option<f64>, high: Option<f64>) -> String {
+    let [value, low, high] = by_uncertainty(value, low, high);
+    format!("{value} ({low}..{high})")
+}
+
+/// Returns a value and its standard uncertainty to the same decimal, the second of two digits of the uncertainty.
+pub fn with_sigma(value: f64, sigma: f64) -> [String; 2] {
+    let place = libm::floor(libm::log10(sigma.max(1e-12))) as i64;
+    let decimals = (1 - place).clamp(0, 12) as usize;
+    match sigma > 0.0 && sigma.is_finite() {
+        true => [value, sigma].map(|x| without_sign_of_zero(format!("{x:.decimals$}"))),
+        false => [significant(value, 5), significant(sigma, 2)],
+    }
+}
+
+fn without_sign_of_zero(text: String) -> String {
+    if text.chars().all(|c| matches!(c, '-' | '0' | '.')) { "0".to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn numbers_read_well() {
+        assert_eq!(within(127.62, Some(119.2), Some(136.4)), "128 (119..136)");
+        assert_eq!(within(35.63, Some(34.52), Some(36.7)), "35.6 (34.5..36.7)");
+        assert_eq!(within(141.14, Some(135.2), None), "141 (135..-)");
+        assert_eq!(within(-0.004, Some(-0.3), Some(0.4)), "0 (-0.300..0.400)");
+        assert_eq!(within(12.345, Some(12.345), Some(12.345)), "12.35 (12.35..12.35)");
+        assert_eq!(within(0.0, Some(0.0), Some(0.0)), "0 (0..0)");
+        assert_eq!(with_sigma(12.3456, 0.432), ["12.35", "0.43"]);
+        assert_eq!(with_sigma(-0.001, 0.6), ["0", "0.60"]);
+        assert_eq!(with_sigma(1234.5, 150.0), ["1234", "150"]);
+        assert_eq!(with_sigma(1.234_567, 0.0), ["1.2346", "0"]);
         assert_eq!(length(0.0012345), "1.234 um");
         assert_eq!(length(-350.0), "-350 mm");
         assert_eq!(angle(12e-6), "12 urad");

@@ -544,3 +544,14 @@ fn a_drift_of_one_component_is_named() {
     let said = refusal("drift", "machine.yaml", "dx.csv");
     assert!(said.contains("E0543") && said.contains("a drift of the readings"), "{said}");
 }
+
+/// Neither explains anything by itself, for the other is as wrong as before.
+#[test]
+fn a_pose_and_a_component_are_named_together() {
+    let list = troubles();
+    let index = |word: &str| list.iter().position(|trouble| trouble.words[0] == word).unwrap();
+    let chosen = [index("dx and dz exchanged"), index("turning the other way")];
+    let judged: Vec<Judged> =
+        [4000, 4003, 4009].into_par_iter().filter_map(|seed| judge(seed, &chosen, false)).collect();
+    assert!(judged.len() == 3 && judged.iter().all(|one| one.named == 2), "{judged:#?}");
+}

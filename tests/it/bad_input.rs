@@ -251,7 +251,7 @@ fn survives(machine: &[u8], table: &[u8]) {
     let document = syntax::load(Path::new("m.yaml"), &memory, &mut diagnostics);
     let machine = document.and_then(|d| machine::resolve(&d, &memory, &mut diagnostics));
     assert!(machine.is_some() != diagnostics.is_refused());
-    let _ = render(&diagnostics, Rendering { color: true });
+    let _ = render(&diagnostics, Rendering { color: true, folded: false });
 }
 
 /// Changes to a text: (place, number of removed bytes, inserted text).

@@ -153,8 +153,16 @@ fn mistakes_of_writing_name_their_cause_and_place() {
         let message = mistake(&folder, from, to);
         assert!(message.contains(cause) && message.contains(&format!("mistake.yaml:{place}\n")), "{to}: {message}");
     }
+    for (from, to, cause, place) in [
+        ("[0, 100]", "[0, 100", "`[` is not closed", "5:16"),
+        ("50 mm }", "50 mm", "`{` is not closed", "9:7"),
+        ("    origin:", "      origin:", "indented deeper than the one above", "8:1"),
+    ] {
+        let message = mistake(&folder, from, to);
+        assert!(message.contains(cause) && message.contains(&format!("mistake.yaml:{place}\n")), "{to}: {message}");
+    }
     // Other faults keep the parser's words.
-    assert!(mistake(&folder, "[0, 100]", "[0, 100").contains("not YAML: invalid indentation in flow"));
+    assert!(mistake(&folder, "machine: m", "machine: *m").contains("not YAML: "));
 }
 
 #[test]

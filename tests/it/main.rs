@@ -44,6 +44,7 @@ mod examples;
 mod faults;
 mod figures;
 mod first_hour;
+mod first_look;
 mod fits;
 #[cfg(target_os = "linux")]
 mod foreign_folders;

@@ -2,7 +2,7 @@
 
 use super::view::table;
 use abbe::results::{Bands, SummaryBand};
-use abbe::text::{counted, significant};
+use abbe::text::{by_uncertainty, counted, significant};
 use std::collections::BTreeMap;
 
 /// A table of intervals, a row for positions and one for rotations of each name.
@@ -11,7 +11,10 @@ pub(crate) fn text(of: &[(String, &Bands)]) -> String {
     let mut rows = table(&["", "", "max", "mean", "rms", "95 %"]);
     for (name, bands) in of {
         let row = |name: &str, what: &str, s: &SummaryBand| -> Vec<String> {
-            let ends = [s.max, s.mean, s.rms, s.p95].map(|[low, high]| format!("{} to {}", end(low), end(high)));
+            let ends = [s.max, s.mean, s.rms, s.p95].map(|[low, high]| {
+                let [_, low, high] = by_uncertainty(low, Some(low), Some(high));
+                format!("{low} to {high}")
+            });
             [name.to_owned(), what.to_owned()].into_iter().chain(ends).collect()
         };
         let _ = rows.add_row(row(name, "position, um", &bands.position_um));
@@ -28,8 +31,4 @@ pub(crate) fn ranges(of: &BTreeMap<String, [f64; 2]>) -> String {
         format!("{axis} from {} to {}", significant(*min, 6), significant(*max, 6))
     };
     of.iter().map(range).collect::<Vec<_>>().join(", ")
-}
-
-fn end(value: f64) -> String {
-    significant(value, 4)
 }

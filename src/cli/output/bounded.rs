@@ -5,7 +5,7 @@ use abbe::MachineFile;
 use abbe::results::{
     AddedByBounds, BoundedFigures, BoundedLengths, LengthStatistics, MapFromBounds, RssDifference, Statistics,
 };
-use abbe::text::significant;
+use abbe::text::{significant, within};
 use comfy_table::Table;
 
 /// `From bounds: 41 errors, class production; 1000 machines drawn, uniform distribution, seed 1`.
@@ -56,9 +56,8 @@ pub(crate) fn statistics(poses: usize, of: &BoundedFigures) -> Table {
 /// The largest deviations of the machines drawn.
 pub(crate) fn everywhere(of: &BoundedFigures) -> String {
     let interval = |of: &BoundedLengths| {
-        let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
         let (low, high) = of.monte_carlo.percentiles.get("p95").map_or((None, None), |p| (p.low, p.high));
-        format!("{} ({}..{})", significant(of.monte_carlo.p95, 4), end(low), end(high))
+        within(of.monte_carlo.p95, low, high)
     };
     format!(
         "95 % of the machines deviate nowhere by more than {} um and {} urad (in brackets: 95 % confidence).\n",

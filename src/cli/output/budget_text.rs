@@ -2,7 +2,7 @@
 
 use super::view::{hide, table};
 use abbe::results::{ActingValues, Coverage, DeviationBudget, PercentileInterval};
-use abbe::text::{angle, counted, length, significant};
+use abbe::text::{angle, counted, length, significant, within};
 
 const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
@@ -22,10 +22,7 @@ pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 
 pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
-    let interval = |p: &PercentileInterval| {
-        let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-        format!("{} ({}..{})", short(p.value), end(p.low), end(p.high))
-    };
+    let interval = |p: &PercentileInterval| within(p.value, p.low, p.high);
     let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both), short(t.monte_carlo.mean)];
     head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
 }

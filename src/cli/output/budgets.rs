@@ -4,7 +4,7 @@ use super::budget_text::{TOTALS_NOTE, totals, totals_row, values_text};
 use super::ranking::difference;
 use super::view::{errors_more, table_of_machines};
 use abbe::results::{ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict};
-use abbe::text::significant;
+use abbe::text::{significant, with_sigma};
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
@@ -81,7 +81,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
     for e in of.contributions.iter().take(top) {
         let part = |(um, sigma): (&Option<f64>, &Option<f64>)| {
             let both = um.zip(*sigma);
-            both.map_or("-".to_owned(), |(um, sigma)| format!("{} ± {}", significant(um, 3), significant(sigma, 2)))
+            both.map_or("-".to_owned(), |(um, sigma)| with_sigma(um, sigma).join(" ± "))
         };
         let parts = e.um_of_p95.iter().zip(&e.um_of_p95_sigma).map(part);
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 3));

@@ -1,15 +1,15 @@
 //! A certificate as text and JSON.
 
-use super::bands;
 use super::session::Session;
 use super::view::table;
+use super::{answer, bands};
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
     Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
     ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
 };
-use abbe::text::{counted, micro, significant};
+use abbe::text::{by_uncertainty, counted, micro, significant};
 use std::path::Path;
 
 /// A certificate with the folder of its files.
@@ -56,8 +56,27 @@ impl CertificateView<'_> {
 
     fn text(&self) -> String {
         let [figures, job, second] = [self.figures(), self.job(), self.second()];
-        let parts = [self.heading(), figures, job, second, self.programming(), self.by_error(), self.cautions()];
+        let heading = self.answer() + &self.heading();
+        let parts = [heading, figures, job, second, self.programming(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Returns by how much the files lower the deviation, over the job first.
+    fn answer(&self) -> String {
+        let report = self.report;
+        let raised = |words: Option<String>, over: &str| {
+            words.map_or_else(String::new, |words| format!("The files RAISE {words}, {over}.\n"))
+        };
+        let job = report.job.as_ref().map_or_else(String::new, |job| {
+            let over = answer::over(&job.over);
+            let ratio = ratio(&job.uncompensated.position_um, &job.compensated.position_um, None, &over);
+            raised(job.raised(), &over) + &ratio
+        });
+        let part = if report.beyond_measured.is_some() { "measured part of the " } else { "" };
+        let over = format!("over {} poses of the {part}volume", report.poses);
+        let left = report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
+        let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
+        job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
     }
 
     fn heading(&self) -> String {
@@ -82,11 +101,9 @@ impl CertificateView<'_> {
     fn job(&self) -> String {
         let Some(job) = &self.report.job else { return String::new() };
         let JobCertificate { over, direction, uncompensated, compensated, .. } = job;
-        let raised = job.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
-        let ratio = ratio(&uncompensated.position_um, &compensated.position_um, None);
         let worse = approached(*direction);
         let rows = figures_table(uncompensated, compensated);
-        format!("{}Each state is set up by itself{worse}.\n{rows}\n{ratio}{raised}", over.text())
+        format!("{}Each state is set up by itself{worse}.\n{rows}\n", over.text())
     }
 
     /// Returns the verdict of the second measurement.
@@ -120,7 +137,6 @@ impl CertificateView<'_> {
     fn figures(&self) -> String {
         let (before, after) = (&self.report.uncompensated, &self.report.compensated);
         let table = figures_table(before, after);
-        let raised = self.report.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
         let bands = self.report.uncertainty.as_ref().map_or_else(String::new, |of| {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
@@ -132,10 +148,8 @@ impl CertificateView<'_> {
                  option of the control: position 95 % {p95} um, max {max} um.\n"
             )
         });
-        let left = self.report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
-        let ratio = ratio(&before.position_um, &after.position_um, left);
         let (beyond, shift) = (self.beyond_measured(), self.reference_shift());
-        format!("{table}\n{bands}{steps}{straight}{ratio}{beyond}{raised}{shift}")
+        format!("{table}\n{bands}{steps}{straight}{beyond}{shift}")
     }
 
     /// Returns the figures where curves were not measured.
@@ -333,21 +347,22 @@ const NO_EFFECT: f64 = 0.05;
 const MAX_FACTOR: f64 = 1000.0;
 
 /// Returns by what factor the deviation falls, and what is left within the uncertainty of the errors.
-fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>) -> String {
+fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>, over: &str) -> String {
     let (before, after) = (before.p95, after.p95);
-    let falls = "For the errors in the file the 95 % position deviation falls";
+    let [from, to] = [before, after].map(|um| significant(um, 4));
+    let falls = format!("For the errors in the file the 95 % position deviation falls from {from} um");
     let left = left.map_or_else(String::new, |ends| {
-        let [low, high] = ends.map(|end| significant(end, 4));
+        let [_, low, high] = by_uncertainty(after, Some(ends[0]), Some(ends[1]));
         format!("; within their uncertainty {low} to {high} um are left")
     });
     if before < ROUNDING_UM {
-        "There was nothing to compensate.\n".to_owned()
+        format!("There is nothing to compensate, {over}.\n")
     } else if after < ROUNDING_UM {
-        format!("{falls} below a nanometre{left}.\n")
+        format!("{falls} to below a nanometre, {over}{left}.\n")
     } else if before > MAX_FACTOR * after {
-        format!("{falls} by a factor of more than {MAX_FACTOR}{left}.\n")
+        format!("{falls} to {to} um, by a factor of more than {MAX_FACTOR}, {over}{left}.\n")
     } else if after <= before {
-        format!("{falls} by a factor of {}{left}.\n", significant(before / after, 3))
+        format!("{falls} to {to} um, by a factor of {}, {over}{left}.\n", significant(before / after, 3))
     } else {
         String::new()
     }

@@ -2,7 +2,7 @@
 
 use super::view::table;
 use abbe::results::{CharacteristicResult, DrawnCharacteristic};
-use abbe::text::{shown, significant};
+use abbe::text::{by_uncertainty, shown, significant, within};
 
 /// The table of the characteristics by values or by machines drawn, and the errors that make them; empty without.
 pub(crate) fn text(list: &[CharacteristicResult]) -> String {
@@ -58,8 +58,7 @@ fn valued(of: &CharacteristicResult) -> [String; 3] {
 }
 
 fn drawn_cells(of: &DrawnCharacteristic, at_most: bool) -> [String; 3] {
-    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-    let p95 = format!("{} ({}..{})", short(of.p95_um.value), end(of.p95_um.low), end(of.p95_um.high));
+    let p95 = within(of.p95_um.value, of.p95_um.low, of.p95_um.high);
     let percent = |x: f64| significant(100.0 * x, 3);
     let least = if at_most { "at most " } else { "" };
     let holds = of.holds.map_or("-".to_owned(), |of| {
@@ -74,7 +73,10 @@ fn errors(of: &CharacteristicResult) -> String {
         return String::new();
     }
     let list = of.errors.iter().map(|part| format!("{} {:.0} %", part.error, 100.0 * part.share));
-    let interval = of.interval_um.map_or(String::new(), |[a, b]| format!(" ({}..{})", short(a), short(b)));
+    let interval = of.interval_um.map_or(String::new(), |[low, high]| {
+        let [_, low, high] = by_uncertainty(low, Some(low), Some(high));
+        format!(" ({low}..{high})")
+    });
     format!("  {} {}{interval}: {}\n", shown(&of.feature), kind(of), list.collect::<Vec<_>>().join(", "))
 }
 

@@ -1,11 +1,12 @@
 //! The result of `abbe identify` as text and CSV.
 
-use super::view::table;
+use super::answer;
+use super::view::{keep_words, table};
 use abbe::results::{
     BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualGroup, ResidualTest,
     SharedUncertainty,
 };
-use abbe::text::{counted, significant};
+use abbe::text::{counted, significant, with_sigma};
 
 /// Coverage factor (95 %) of 29 degrees of freedom; larger ones are printed.
 const USUAL_COVERAGE: f64 = 2.045;
@@ -34,12 +35,15 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     let mut rows = table(&["parameter", "value", "1 sigma", "unit"]);
     for p in estimates(result) {
         let none = if result.degrees_of_freedom > 0 { "free" } else { "unknown" };
-        let sigma = p.sigma.map_or_else(|| none.to_owned(), |s| significant(s, 2));
         // The value of a direction that the prior holds is rounding.
         let value = Some(p.value).filter(|v| v.abs() >= 1e-6).unwrap_or(0.0);
-        let _ = rows.add_row([p.name.clone(), significant(value, 5), sigma, p.unit.clone()]);
+        let [value, sigma] =
+            p.sigma.map_or_else(|| [significant(value, 5), none.to_owned()], |sigma| with_sigma(value, sigma));
+        let _ = rows.add_row([p.name.clone(), value, sigma, p.unit.clone()]);
     }
-    let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
+    keep_words(&mut rows);
+    let mut text = answer::identify(result);
+    text += &format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
     text += &groups(result);
     text += &shared_uncertainties(result);
@@ -49,8 +53,9 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     text + &datum(result)
 }
 
+/// Deviations below a nanometre are rounding.
 fn um(value: f64) -> String {
-    significant(value, 5)
+    if 0.0 < value && value < MAX_ROUNDING { format!("below {MAX_ROUNDING}") } else { significant(value, 4) }
 }
 
 pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {

@@ -8,7 +8,7 @@ use abbe::options::Placement;
 use abbe::results::{
     CommonFigures, LimitVerdict, PairedDifference, PlaceRange, PlacementGain, PlacementResult, TriedPlace, VersusFirst,
 };
-use abbe::text::{fold, significant};
+use abbe::text::{fold, significant, within};
 
 /// Number of the best places that are listed.
 const LISTED: usize = 5;
@@ -214,8 +214,7 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
 
 /// A difference with its interval.
 fn difference_words(of: PairedDifference) -> String {
-    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-    format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
+    within(of.value, of.low, of.high)
 }
 
 fn figures(of: &CommonFigures, places: &PlacementResult) -> String {

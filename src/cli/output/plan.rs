@@ -1,5 +1,6 @@
 //! The result of `abbe identify --plan` as text.
 
+use super::answer;
 use super::identify_report::rank;
 use super::view::table;
 use abbe::results::MeasurementPlan;
@@ -13,7 +14,8 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
     }
     let poses = plan.poses.len();
     let of_lines = if poses == plan.readings { String::new() } else { format!(" ({})", counted(poses, "pose")) };
-    let mut text = format!(
+    let mut text = answer::plan(plan);
+    text += &format!(
         "{} of {} readings to choose from{of_lines}, {} um each; `--format csv` writes a file of measurements to be \
          filled in\n{}\n{rows}\n",
         plan.readings,

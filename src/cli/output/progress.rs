@@ -1,6 +1,7 @@
 //! Progress on standard error: only on a terminal, and only for work that lasts over a second. What long work will
 //! cost is said anywhere.
 
+use super::view::folded;
 use abbe::{Cancelled, Monitor};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -24,12 +25,15 @@ pub(crate) struct StageProgress {
     quiet: bool,
     visible: bool,
     stage: Mutex<Option<ProgressBar>>,
+    /// What was said last: it is said once.
+    said: Mutex<String>,
 }
 
 impl StageProgress {
     /// Starts the display; `quiet` prints nothing.
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet, visible: !quiet && std::io::stderr().is_terminal(), stage: Mutex::new(None) }
+        let visible = !quiet && std::io::stderr().is_terminal();
+        Self { quiet, visible, stage: Mutex::new(None), said: Mutex::default() }
     }
 
     fn stage(&self) -> MutexGuard<'_, Option<ProgressBar>> {
@@ -50,9 +54,11 @@ fn hidden_bar(phase: &str, total: usize) -> ProgressBar {
 
 impl Monitor for StageProgress {
     fn announce(&self, cost: &str) {
-        if !self.quiet {
+        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.quiet && *said != cost {
             // Who cannot be told is not told.
-            let _ = writeln!(std::io::stderr(), "{cost}");
+            let _ = write!(std::io::stderr(), "{}", folded(cost));
+            cost.clone_into(&mut said);
         }
     }
 

@@ -1,12 +1,13 @@
 //! The result of `enumerate` as text and CSV.
 
+use super::answer;
 use super::budget_text::{coverage_line, values_text};
 use super::view::{hide, table};
 use abbe::options::{JudgedBy, Statistic};
 use abbe::results::{
     Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, ReachedToolPoses, Verdict,
 };
-use abbe::text::{cell, fold, shown, significant};
+use abbe::text::{by_uncertainty, cell, fold, shown, significant, within};
 use indexmap::IndexMap;
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
@@ -55,7 +56,11 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         Statistic::Max => "largest",
         Statistic::P95 => "95 %",
     };
-    let mut text = format!(
+    let mut text = match of.ranked.is_empty() {
+        true => format!("{}\n", most(of)),
+        false => answer::enumerate(of),
+    };
+    text += &format!(
         "{}: {} arrangements of its axes on {} {}\n",
         of.machine,
         of.arrangements,
@@ -83,7 +88,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     text += &missing.and_then(coverage_line).map_or_else(String::new, |line| line + "\n");
     text += &of.over.text();
     text += &match of.ranked.is_empty() {
-        true => format!("{}\n", most(of)),
+        true => String::new(),
         false => arrangements(of, &of.ranked, true, top) + &standing(of),
     };
     if of.ranked.len() > top {
@@ -223,11 +228,11 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
             if numbered { (i + 1).to_string() } else { String::new() },
             row.chain.clone(),
             if row.misses_reference { format!("{}, no zero", row.reached) } else { row.reached.to_string() },
-            short(row.um),
         ];
-        if budget {
-            let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
-            cells.push(row.um.map_or("-".to_owned(), |_| format!("{}..{}", end(row.low), end(row.high))));
+        match row.um.filter(|_| budget).map(|um| by_uncertainty(um, row.low, row.high)) {
+            Some([um, low, high]) => cells.extend([um, format!("{low}..{high}")]),
+            None if budget => cells.extend(["-".to_owned(), "-".to_owned()]),
+            None => cells.push(short(row.um)),
         }
         cells.push(short(row.minus_file));
         if fitted {
@@ -258,9 +263,8 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
 }
 
 pub(crate) fn difference(of: PairedDifference) -> String {
-    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
     if of.low.is_none() && of.high.is_none() || of.low == of.high {
         return significant(of.value, 3);
     }
-    format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
+    within(of.value, of.low, of.high)
 }

@@ -123,7 +123,7 @@ impl Session {
     /// Prints a text to the person, on standard error, unless `--quiet`.
     pub(crate) fn say(&self, text: &str) {
         if !self.global.quiet {
-            let _ = writeln!(std::io::stderr().lock(), "{text}");
+            let _ = write!(std::io::stderr().lock(), "{}", folded(text));
         }
     }
 
@@ -177,7 +177,8 @@ impl Session {
 
     /// A command line that parsed but makes no sense.
     pub(crate) fn usage<T>(&self, message: &str) -> Result<T, Exit> {
-        let _ = writeln!(std::io::stderr().lock(), "abbe: {message}\nTry `abbe --help`.");
+        let text = folded(&format!("abbe: {message}\nTry `abbe --help`."));
+        let _ = std::io::stderr().lock().write_all(text.as_bytes());
         let _ = self.unfit.replace(Some(Diagnostic::new(codes::E0818, message)));
         Err(Exit::Usage)
     }
@@ -208,7 +209,7 @@ impl Session {
         };
         let refused = outcome == Err(Exit::Refused);
         if self.diagnostics.iter().next().is_some() && (refused || !self.global.quiet) {
-            let text = render(&self.diagnostics, Rendering { color });
+            let text = render(&self.diagnostics, Rendering { color, folded: !self.global.wide });
             let _ = std::io::stderr().lock().write_all(text.as_bytes());
             if refused {
                 let _ = writeln!(std::io::stderr().lock(), "{}", counts(&self.diagnostics));

@@ -3,7 +3,7 @@
 use super::budget_text::tolerance_text;
 use super::view::table;
 use abbe::results::{Binding, GoalTolerance, Percentile, ToleranceGoal};
-use abbe::text::significant;
+use abbe::text::{significant, within};
 
 /// Tables of the tolerances that become finer, largest part of the 95 % value first, and of those that become coarser.
 pub(crate) fn text(of: &ToleranceGoal, top: usize) -> String {
@@ -70,8 +70,7 @@ fn rows(title: &str, list: &[&GoalTolerance], top: usize) -> String {
 }
 
 fn interval(p: Percentile) -> String {
-    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
-    format!("{} ({}..{})", significant(p.value, 4), end(p.low), end(p.high))
+    within(p.value, p.low, p.high)
 }
 
 /// The constraint that fixes a tolerance, in words.

@@ -136,10 +136,9 @@ pub(crate) fn set_wide() {
     WIDE.store(true, Ordering::Relaxed);
 }
 
-/// Returns a text whose lines are folded, but for those of tables, which are narrow already, and of code.
+/// Returns a text whose lines are folded, but for those of tables, which are narrow already, and of machine files.
 pub(crate) fn folded(text: &str) -> String {
-    let is_code = |line: &str| line.contains(": {") || line.starts_with("    ") && !line[4..].starts_with(' ');
-    let is_long = |line: &str| line.chars().count() > LINE && !line.starts_with('|') && !is_code(line);
+    let is_long = |line: &str| line.chars().count() > LINE && !line.starts_with('|') && !line.contains(": {");
     let fits = |line: &str| WIDE.load(Ordering::Relaxed) || !is_long(line);
     text.lines().map(|line| if fits(line) { format!("{line}\n") } else { fold(line) }).collect()
 }
@@ -163,6 +162,19 @@ pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
         let _ = table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic).set_width(TABLE);
     }
     table
+}
+
+/// Keeps the columns of a table as wide as their longest words.
+pub(crate) fn keep_words(table: &mut comfy_table::Table) {
+    for i in 0..table.column_count() {
+        let cells = table.row_iter().filter_map(|row| row.cell_iter().nth(i)).map(comfy_table::Cell::content);
+        let longest = cells.flat_map(|cell| cell.split(' ').map(|word| word.chars().count()).max()).max().unwrap_or(0);
+        // A blank stands on each side.
+        let width = comfy_table::Width::Fixed(u16::try_from(longest + 2).unwrap_or(u16::MAX));
+        if let Some(column) = table.column_mut(i) {
+            let _ = column.set_constraint(comfy_table::ColumnConstraint::LowerBoundary(width));
+        }
+    }
 }
 
 pub(crate) const STATISTICS: [&str; 9] = ["", "", "max", "mean", "rms", "95 %", "range x", "range y", "range z"];

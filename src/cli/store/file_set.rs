@@ -204,6 +204,10 @@ pub(crate) fn check(session: &mut Session, folder: &Path) -> Outcome {
             format!("`{}` is outside `{}`, to which --confined limits this run", folder.display(), root.display());
         return session.refuse(Diagnostic::new(codes::E0819, message).help("name a folder that holds every file"));
     }
+    if folder.is_file() {
+        let message = format!("`{}` is a file, not a folder of compensation files", folder.display());
+        return session.refuse(Diagnostic::new(codes::E0705, message).help("name the folder of `compile --out`"));
+    }
     let lock = existing_lock(folder);
     let parts = lock.iter().flat_map(|lock| &lock.parts).filter(|part| is_plain_name(&part.name));
     let mut folders = std::iter::once(folder.to_owned()).chain(parts.map(|part| folder.join(&part.name)));

@@ -8,15 +8,14 @@ use crate::cli::arguments::{
 use crate::cli::output::budget_text::{
     TOTALS_NOTE, coverage_line, short, tolerance_text, totals, totals_row, values_text,
 };
-use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
-use crate::cli::output::tolerance_goal;
-use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, table, tool_poses_text};
+use crate::cli::output::view::{axes_text, path_text, reach_text, table, tool_poses_text};
+use crate::cli::output::{answer, characteristics, tolerance_goal};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
 use abbe::results::{BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget};
-use abbe::text::{Reason, significant};
+use abbe::text::{Reason, significant, with_sigma, within};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -165,7 +164,8 @@ impl BudgetText<'_> {
             Statistic::P95 => "95 % deviation over the poses",
         };
         let own = budget.tighten.iter().filter(|bound| !bound.of_class).count();
-        let mut text = format!("{}, {}\n{}", self.file.name(), self.file.chain(), self.result.over.text());
+        let mut text = answer::budget(self.result);
+        text += &format!("{}, {}\n{}", self.file.name(), self.file.chain(), self.result.over.text());
         text += &format!("{} errors bounded: {own} by the machine file", budget.tighten.len());
         if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {
             text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);
@@ -183,7 +183,6 @@ impl BudgetText<'_> {
         );
         if let Some(reached) = &self.result.tool_poses {
             text += &reach_text(&reached.rows, &reached.travel);
-            text += &limit_text(self.result.limit.as_ref());
             text += &self.result.path.as_ref().map_or_else(String::new, path_text);
         }
         text += &self.totals_table();
@@ -250,8 +249,8 @@ impl BudgetText<'_> {
             let _ = rows.add_row([
                 t.error.clone(),
                 bound_text(t),
-                format!("{} ± {}", significant(t.um_per_unit, 3), significant(t.sigma, 2)),
-                format!("{} ± {}", significant(t.um_of_p95 * 0.1, 3), significant(t.um_of_p95_sigma * 0.1, 2)),
+                with_sigma(t.um_per_unit, t.sigma).join(" ± "),
+                with_sigma(t.um_of_p95 * 0.1, t.um_of_p95_sigma * 0.1).join(" ± "),
             ]);
         }
         format!("\nBy the derivative of the 95 % value of the drawn machines (± its standard error):\n{rows}\n")
@@ -272,10 +271,8 @@ fn best_fit_text(of: &FittedBudget) -> String {
 /// The machines drawn without the minimum zone, and what the other figures are without.
 fn zone_text(of: &ZoneBudget) -> String {
     let text = |of: &DrawnMachineFigures, unit: &str| {
-        let ends = of.percentiles.get("p95").and_then(|of| of.low.zip(of.high));
-        let ends =
-            ends.map_or(String::new(), |(low, high)| format!(" ({}..{})", significant(low, 3), significant(high, 3)));
-        format!("{}{ends} {unit}", significant(of.p95, 4))
+        let (low, high) = of.percentiles.get("p95").map_or((None, None), |of| (of.low, of.high));
+        format!("{} {unit}", within(of.p95, low, high))
     };
     format!(
         "With the minimum zone of each machine taken out: 95 % of them within {} and {}\n\

@@ -8,7 +8,7 @@ use abbe::options::{CirclePlane, StandardTest};
 use abbe::results::{
     CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest, UncertainValue,
 };
-use abbe::text::{NOT_VERIFIED, significant};
+use abbe::text::{NOT_VERIFIED, significant, with_sigma};
 use abbe::{FiguresOptions, figures};
 use std::path::PathBuf;
 
@@ -78,6 +78,11 @@ fn maybe(x: Option<f64>) -> String {
     x.map_or_else(|| "-".to_owned(), n)
 }
 
+/// The value and its standard uncertainty.
+fn cells(of: UncertainValue) -> [String; 2] {
+    of.sigma.map_or_else(|| [n(of.value), "-".to_owned()], |sigma| with_sigma(of.value, sigma))
+}
+
 fn circle(test: &CircleTest) -> FigureRows {
     let line =
         |name: &str, value: String, sigma: String, unit: &str| vec![name.to_owned(), value, sigma, unit.to_owned()];
@@ -100,7 +105,10 @@ fn circle(test: &CircleTest) -> FigureRows {
 
 /// The causes of a circle in a plane of two directions.
 fn cause_rows(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
-    let line = |name: String, of: UncertainValue, unit: &str| vec![name, n(of.value), maybe(of.sigma), unit.to_owned()];
+    let line = |name: String, of: UncertainValue, unit: &str| {
+        let [value, sigma] = cells(of);
+        vec![name, value, sigma, unit.to_owned()]
+    };
     let [first, second] = causes.reversal_um;
     let mut rows = vec![
         line("squareness".to_owned(), causes.squareness_urad, "urad"),
@@ -125,9 +133,9 @@ fn spike(at: &TurningTest) -> Vec<Vec<String>> {
     let line =
         |what: &str, value: String, unit: &str| vec![format!("{name}, {what}"), value, String::new(), unit.to_owned()];
     let chance = if spike.chance < 1e-9 { "below 1e-9".to_owned() } else { format!("{:.1e}", spike.chance) };
-    let height = spike.height_um;
+    let [value, sigma] = cells(spike.height_um);
     let mut rows = vec![
-        vec![name.clone(), n(height.value), maybe(height.sigma), "um".to_owned()],
+        vec![name.clone(), value, sigma, "um".to_owned()],
         line("begins", n(spike.start_deg), "deg"),
         line("length", n(spike.width_deg), "deg"),
         line("length", n(spike.width_mm), "mm"),

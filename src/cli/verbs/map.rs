@@ -7,9 +7,9 @@ use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, axes_text, frame_text, limit_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, axes_text, frame_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
-use crate::cli::output::{bands, bounded, characteristics, placement};
+use crate::cli::output::{answer, bands, bounded, characteristics, placement};
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
@@ -169,7 +169,8 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(of) = &result.bounds {
         return text_of_bounds(file, args, result, of);
     }
-    let mut text = format!(
+    let mut text = answer::map(result);
+    text += &format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}{} poses ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
@@ -190,7 +191,6 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         let lead = if i == 0 { "Worst:" } else { "      " };
         text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(file, worst.axes.values())));
     }
-    text.push_str(&limit_text(result.limit.as_ref()));
     text.push_str(&features(result));
     text.push_str(&characteristics::text(&result.characteristics));
     if let Some(reached) = &result.tool_poses {
@@ -212,7 +212,8 @@ fn beyond_measured(of: &BeyondMeasured) -> String {
 
 /// The map of a machine of which nothing is measured.
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
-    let mut text = format!(
+    let mut text = answer::map(result);
+    text += &format!(
         "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
@@ -226,7 +227,6 @@ fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapF
         bounded::everywhere(&of.figures),
         bounded::worst(file, of),
     );
-    text.push_str(&limit_text(result.limit.as_ref()));
     text.push_str(&features(result));
     text.push_str(&characteristics::text(&result.characteristics));
     if let Some(reached) = &result.tool_poses {

@@ -13,7 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, sho
 use crate::evaluate::Frame;
 use crate::identify::lists::index_of;
 use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
-use crate::job::poses::radians;
+use crate::job::poses::other_units;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
@@ -207,7 +207,7 @@ impl MeasurementReader<'_> {
         let drafts = self.body(&columns, lines, separator, diagnostics);
         self.add(before, drafts, diagnostics);
         let read = self.data.rows.get(from..).unwrap_or_default().iter().map(|row| &row.pose);
-        let warned = radians(self.machine, &sheet::cells(&header.text, separator), read, &Some(header.place));
+        let warned = other_units(self.machine, &sheet::cells(&header.text, separator), read, &Some(header.place));
         warned.into_iter().for_each(|warning| diagnostics.push(warning));
     }
 

@@ -181,7 +181,7 @@ impl Change {
             Self::Tools(..) => "correct the column `tool`",
             Self::Rows(_) => "let readings and poses settle, and join them anew",
             Self::Drift(_) => "measure warm and in mixed order, or repeat the first poses at the end",
-            Self::OtherTool(_) => "measure the tool, or fit it (`--fit ...,tool`)",
+            Self::OtherTool(_) => "measure the tool, or fit it (`--fit ...,tools`)",
             Self::Shifted(_) => "make it a run or set-up of its own, or measure it again",
             Self::LeftOut(_) => "leave it out, or measure it again",
             Self::RowsLeftOut(_) => "leave out these rows, or measure them again (`--robust` gives them less weight)",

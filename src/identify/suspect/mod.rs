@@ -107,11 +107,12 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
         found.extend(with_rows_left_out(&screen, &[]));
     }
     found.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
-    // Of two troubles at least one explains a little by itself.
-    found.first().filter(|best| best.likelihood - null.likelihood > count * libm::log(MIN_FIRST_GAIN))?;
+    // Of two troubles at least one explains a little by itself, but for a pose and a component.
+    let explains = |best: &&Candidate| best.likelihood - null.likelihood > count * libm::log(MIN_FIRST_GAIN);
+    let beam = if found.first().is_some_and(|best| explains(&best)) { SUSPECT_BEAM } else { 0 };
     let mut pairs = Vec::new();
     let mut beams = [0, 0];
-    for first in found.iter().take(SUSPECT_BEAM) {
+    for first in found.iter().take(beam) {
         // What frees something, and poses after poses, take time: after the best ones only.
         let of_poses = first.changes.iter().any(Change::is_of_poses);
         beams[usize::from(of_poses)] += 1;
@@ -221,7 +222,8 @@ fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Op
     let (model, changes) = (screen.model, &best.changes);
     let rescales = changes.iter().any(Change::rescales);
     let found = |left: f64| {
-        let explains = rescales || left * MIN_SUSPECT_GAIN <= of.after;
+        // More than errors of a machine is a fit that ran away.
+        let explains = (rescales || left * MIN_SUSPECT_GAIN <= of.after) && left < SUSPECT_PRIOR_MM;
         explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
     };
     if changes.iter().any(Change::adds_unknowns) {

@@ -10,7 +10,7 @@ mod missed;
 
 use super::path::{DeviationStep, LargestStep, PathResult};
 use super::placement::Placement;
-use super::poses::{check, radians};
+use super::poses::{check, other_units};
 use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{
     Miss, Needs, PathEvents, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
@@ -156,7 +156,7 @@ pub(crate) fn read_named(
     if let (Ok(rows), Some(header)) = (&rows, sheet.each_line().next()) {
         let header_cells = cells(&header.text, separator(&header.text));
         let rotary = rows.iter().filter_map(|row| row.rotary().map(|(_, pose)| pose));
-        call.extend(radians(machine, &header_cells, rotary, &Some(header.place)));
+        call.extend(other_units(machine, &header_cells, rotary, &Some(header.place)));
     }
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),

@@ -9,7 +9,7 @@ use crate::machine::{
     Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction, MachineParts,
     MotionSide, Travel, sin_cos_degrees,
 };
-use crate::syntax::{DatumEntry, DatumLine, SquarenessSite};
+use crate::syntax::{DatumEntry, DatumLine, Document, SquarenessSite};
 use crate::units;
 use nalgebra::Vector3;
 
@@ -40,30 +40,33 @@ pub fn warn(context: &mut Context, parts: &MachineParts, places: &Errors) {
     }
 }
 
+/// True for a location error that a fit was asked for, by its own request in the file that it wrote.
+pub(super) fn is_fitted_location(document: &Document, error: &ErrorId) -> bool {
+    let is_of = |entry: &String| ["location", "needed"].contains(&entry.as_str()) || *entry == error.to_string();
+    error.family == ErrorFamily::Location && fitted(document).any(is_of)
+}
+
 /// Returns what a fit was asked for, by its own request in the file that it wrote.
-fn fitted<'a>(context: &Context<'a>) -> impl Iterator<Item = &'a String> {
-    let document = context.document;
+fn fitted(document: &Document) -> impl Iterator<Item = &String> {
     let request = document.identify.iter().filter(|_| document.provenance.contains_key("identified-by"));
     request.flat_map(|request| &request.fit)
 }
 
 /// Names of the curves that a fit wrote.
 fn fitted_curves(context: &Context) -> Vec<String> {
-    let names = fitted(context).filter_map(|entry| entry.split_once(':'));
+    let names = fitted(context.document).filter_map(|entry| entry.split_once(':'));
     names.map(|(name, _)| name.trim().to_owned()).collect()
 }
 
 /// Location errors that change nothing when the axis of motion is displaced.
 fn inert(context: &mut Context, parts: &MachineParts, places: &Errors) {
-    // What acts by products only is no mistake of who fitted it.
-    let asked: Vec<&String> = fitted(context).collect();
-    let is_fitted = |name: &str| asked.iter().any(|entry| *entry == "location" || *entry == name);
     let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
     for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
         for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
             let given = is_stated(term, direction) && !matches!(term, ErrorTerm::Tolerance(0.0));
             let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction };
-            if given && cannot_act(axis, direction) && !is_fitted(&error.to_string()) {
+            // What acts by products only is no mistake of who fitted it.
+            if given && cannot_act(axis, direction) && !is_fitted_location(context.document, &error) {
                 let why = match axis.kind {
                     AxisKind::Linear => "a straight line displaced, or turned about itself, is the same line of motion",
                     AxisKind::Rotary => "an axis of rotation moved along, or turned about, itself is the same axis",

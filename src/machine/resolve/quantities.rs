@@ -17,6 +17,9 @@ impl Context<'_> {
             Failure::UnknownUnit(_) => "nm um mm m in; urad mrad rad arcsec arcmin deg; with / and ^ as in urad/m^2",
             Failure::DecimalComma(_) => "write a decimal point, as in `1.5 um`",
             Failure::NotFinite(_) => "write a finite number",
+            Failure::NotANumber(text) if text.ends_with(".csv") || text.ends_with(".txt") => {
+                "a table of an error is `{ table: FILE }`"
+            }
             Failure::NotANumber(_) => "write a number with its unit, as in `12 um`",
         };
         let code = if matches!(failure, Failure::NoUnit(_)) { codes::E0204 } else { codes::E0206 };

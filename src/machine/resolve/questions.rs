@@ -1,5 +1,6 @@
 //! Geometry that is allowed and seldom meant: `check` asks about it.
 
+use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Axis, AxisKind, Branch, ErrorTerm, Machine, Sense, Travel};
@@ -10,8 +11,12 @@ use crate::units::{self, Dimension, significant};
 const POSITION: f64 = 1.0;
 /// A displacement of the gauge point by a variant from which on it is another spindle, mm.
 const OTHER_SPINDLE: f64 = 50.0;
-/// A travel is in radians if its ends are so near (deg) to multiples of five degrees.
-const NEAR: f64 = 0.2;
+/// A travel is in radians if its ends are so near (deg) to multiples of five degrees: two decimals of a radian.
+const NEAR: f64 = 0.3;
+/// A length of a machine that is shorter than this, mm, is as a rule one in metres.
+const METRES: f64 = 3.0;
+/// A coordinate from which on it is no offset that was measured, mm.
+const OFFSET: f64 = 0.05;
 /// A distance that a tip may miss the workpiece by, mm: rounding of drawings.
 const MISSED: f64 = 1.0;
 
@@ -20,6 +25,7 @@ pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     let mut found = absent(document, machine);
     found.extend(origins(document, machine));
     found.extend(machine.axes().iter().filter_map(|axis| radians(document, axis)));
+    found.extend(metres(document, machine));
     let is_stated = moves(machine) && document.workpiece.as_ref().is_some_and(|workpiece| workpiece.origin.is_some());
     found.extend(
         misplaced(machine)
@@ -95,6 +101,38 @@ fn radians(document: &Document, axis: &Axis) -> Option<Diagnostic> {
     Some(ask(document, &keys(["axes", axis.name.as_str()]), message, help))
 }
 
+/// Asks about lengths of the machine that are of the size of metres: travels, points and the tool.
+fn metres(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let linear = || machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
+    let span = |axis: &Axis| axis.travel.interval().1 - axis.travel.interval().0;
+    let help = "a number without a unit is in mm; write `0.5 m`, or millimetres";
+    let mut found = Vec::new();
+    let mut question =
+        |at: &Keys, what: String| found.push(ask(document, at, format!("{what}: are these metres?"), help));
+    for axis in linear().filter(|axis| (OFFSET..METRES).contains(&span(axis))) {
+        let (min, max) = axis.travel.interval();
+        question(&keys(["axes", axis.name.as_str()]), format!("axis `{}` travels from {min} to {max} mm", axis.name));
+    }
+    if !linear().any(|axis| span(axis) > 10.0 * METRES) {
+        return found;
+    }
+    let in_metres = |point: [f64; 3]| {
+        let stated: Vec<f64> = point.into_iter().map(f64::abs).filter(|x| *x > 0.0).collect();
+        stated.len() > 1 && stated.iter().all(|x| (OFFSET..METRES).contains(x))
+    };
+    let tool = machine.tool();
+    let origins = machine.axes().iter().map(|axis| (keys(["axes", axis.name.as_str(), "origin"]), axis.origin));
+    let points = [(keys(["workpiece", "origin"]), machine.workpiece()), (keys(["tool", "gauge"]), tool.gauge)];
+    for (at, point) in points.into_iter().chain(origins).filter(|(_, point)| in_metres(*point)) {
+        question(&at, format!("`{}` is [{}] mm", at.join("."), point.map(|x| significant(x, 6)).join(", ")));
+    }
+    let length = libm::sqrt((0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum());
+    if (OFFSET..METRES).contains(&length) {
+        question(&keys(["tool"]), format!("the tip is {} mm from the gauge point", significant(length, 4)));
+    }
+    found
+}
+
 /// Returns what to ask of a tip that never comes to the workpiece, whatever the linear axes do.
 fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     let zero = |axis: &&Axis| axis.kind == AxisKind::Rotary && !axis.travel.contains(0.0);
@@ -142,16 +180,33 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     Some((format!("the tip stays {by} mm beside the workpiece origin along {letter}: {places}"), help))
 }
 
-/// Asks about location errors of the size of positions.
+/// Asks about errors of the size of positions: locations, and measured curves.
 fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<Item = Diagnostic> + 'a {
-    machine.errors().filter_map(move |(error, term)| {
-        let ErrorTerm::Constant(value) = term else { return None };
-        if error.direction.is_rotation() || value.abs() < POSITION {
+    machine.errors().filter(|(error, _)| !error.direction.is_rotation()).filter_map(move |(error, term)| {
+        let (value, is_location) = match term {
+            ErrorTerm::Constant(value) => (*value, true),
+            ErrorTerm::Component(component) => {
+                let knots = component.curves().filter_map(|curve| curve.knots());
+                (knots.flat_map(|knots| &knots.values).fold(0.0_f64, |largest, x| largest.max(x.abs())), false)
+            }
+            ErrorTerm::Tolerance(_) => return None,
+        };
+        // What a fit found is no slip of a hand.
+        if value.abs() < POSITION || is_fitted_location(document, &error) {
             return None;
         }
-        let (value, axis) = (significant(*value, 4), &error.axis);
-        let message = format!("`{error}` is {value} mm: is it the place where axis `{axis}` stands by design?");
-        let help = format!("such a place is its `origin`; `{error}` is how far it is off, micrometres on a machine");
+        let (value, axis) = (significant(value, 4), &error.axis);
+        let (message, help) = if is_location {
+            (
+                format!("`{error}` is {value} mm: is it the place where axis `{axis}` stands by design?"),
+                format!("such a place is its `origin`; `{error}` is how far it is off, micrometres on a machine"),
+            )
+        } else {
+            (
+                format!("`{error}` reaches {value} mm: are its values in um?"),
+                format!("write the unit of the readings in the header, `{error} [um]`, or correct the values"),
+            )
+        };
         Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
     })
 }

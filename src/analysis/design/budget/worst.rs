@@ -1,8 +1,8 @@
 //! The longest sum of vectors with any signs: the worst case of errors at their bounds.
 //!
-//! All sums lie in a zonotope; the longest is one of its corners, and every corner is the end of an edge along one of the
-//! vectors. So for each vector: the others have the signs of their heights over a direction across it, and as that turns
-//! one after the other changes its sign. That is a sort for each vector.
+//! All sums lie in a zonotope; the longest is one of its corners, and every corner is the end of an edge along one of
+//! the vectors. So for each vector: the others have the signs of their heights over a direction across it, and as that
+//! turns one after the other changes its sign. That is a sort for each vector.
 
 use nalgebra::Vector3;
 
@@ -75,8 +75,8 @@ fn merge_parallel(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     merged
 }
 
-/// Returns the length of the longest sum at an end of the edges along a vector. Each of the others, none of them parallel
-/// to it, has a place for its key.
+/// Returns the length of the longest sum at an end of the edges along a vector. Each of the others, none of them
+/// parallel to it, has a place for its key.
 #[cfg_attr(small_engine, optimize(speed))]
 fn along_edges(edge: &Vector3<f64>, others: &mut [(f64, Vector3<f64>)]) -> f64 {
     let u = edge.cross(&Vector3::ith(edge.iamin(), 1.0)).normalize();
