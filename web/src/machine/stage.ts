@@ -110,6 +110,8 @@ export class Stage {
     this.figure = figure;
     figure.workpiece.add(this.marks.group);
     this.scene.add(figure.root);
+    // At the zero pose, whatever the pose: two pictures of one machine have one floor.
+    this.floor(figure.corners({}));
     this.move(pose);
     const shape = chain.chain + chain.machine;
     if (as) {
@@ -389,7 +391,6 @@ export class Stage {
   }
 
   private sun(corners: three.Vector3[]): void {
-    this.floor(corners);
     const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const { up, back, right } = this.figure?.layout ?? { up: [0, 0, 1], back: [0, 1, 0], right: [1, 0, 0] };
     this.sky.position.set(...(up as Vec3));
