@@ -52,8 +52,8 @@ pub enum ReferenceKind {
 }
 
 impl ReferenceKind {
-    const ALL: [Self; 6] =
-        [Self::Machine, Self::MachineLessUnheld, Self::Zero, Self::ZeroLessUnheld, Self::Datum, Self::BestFit];
+    /// Those that one states; a zero is carried out as less unheld by itself.
+    const STATED: [Self; 5] = [Self::Machine, Self::MachineLessUnheld, Self::Zero, Self::Datum, Self::BestFit];
 
     /// Returns the keys of a reference that have an effect.
     fn keys(self) -> &'static [&'static str] {
@@ -130,7 +130,7 @@ fn beside(is_displaced: bool) -> &'static str {
 impl IdleKey {
     /// Returns the remedy.
     pub fn help(&self) -> String {
-        let kinds = ReferenceKind::ALL.into_iter().filter(|kind| kind.keys().contains(&self.key));
+        let kinds = ReferenceKind::STATED.into_iter().filter(|kind| kind.keys().contains(&self.key));
         let kinds: Vec<String> = kinds.map(|kind| format!("`kind: {}`", kind.name())).collect();
         match self.is_displaced {
             true => "state positions of the rotary axes or a direction of the tool".to_owned(),

@@ -212,7 +212,7 @@ fn help_into_a_full_disk_and_files_at_their_limit_are_told() {
         Run::of(shell.args(["-c", &script, env!("CARGO_BIN_EXE_abbe")]).current_dir(folder.path("")))
     };
     for option in ["--csv a.csv", "--json a.json", "--parquet a.parquet", "--vtk a.vtu"] {
-        limited(&format!("map m.yaml --random 5000 --quiet {option}"))
+        limited(&format!("map m.yaml --random 5000 --quiet --wide {option}"))
             .refused("E0810")
             .says("limit on the size of files");
     }
