@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(within(127.62, Some(119.2), Some(136.4)), "128 (119..136)");
         assert_eq!(within(35.63, Some(34.52), Some(36.7)), "35.6 (34.5..36.7)");
         assert_eq!(within(141.14, Some(135.2), None), "141 (135..-)");
-        assert_eq!(within(-0.004, Some(-0.3), Some(0.4)), "0 (-0.300..0.400)");
+        assert_eq!(within(-0.004, Some(-0.3), Some(0.4)), "0 (-0.30..0.40)");
         assert_eq!(within(12.345, Some(12.345), Some(12.345)), "12.35 (12.35..12.35)");
         assert_eq!(within(0.0, Some(0.0), Some(0.0)), "0 (0..0)");
         assert_eq!(with_sigma(12.3456, 0.432), ["12.35", "0.43"]);
