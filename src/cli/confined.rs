@@ -2,12 +2,14 @@
 //! processor time is limited too: the fuel of a template bounds its steps, not the cost of a step.
 
 use super::output::session::Session;
+#[cfg(unix)]
 use abbe::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// GiB of memory for such a run: many times the need of the largest set.
+#[cfg(unix)]
 const GIBIBYTES: u64 = 1;
 
 /// Processor time for the templates of a set: many times the need of the largest set.

@@ -32,6 +32,7 @@ fn thread_count(jobs: Option<u16>) -> usize {
 }
 
 /// Address space that a thread takes: its stack, and what the allocator sets aside for it.
+#[cfg(unix)]
 const BYTES_OF_THREAD: u64 = 66 << 20;
 
 /// Returns the number of threads that a fourth of the address space holds. Threads that take all of it leave no room

@@ -29,7 +29,28 @@ pub(crate) struct Decided {
     files: Vec<Hashed>,
 }
 
+/// Holds the folder until it is dropped: two runs at once would mix their sets. Windows locks no folders: there it is a
+/// file that nobody else may open, and that goes with its handle.
+#[cfg(windows)]
+pub(crate) fn exclusive(folder: &Path) -> std::io::Result<fs::File> {
+    use std::os::windows::fs::OpenOptionsExt;
+    const WRITE_AND_DELETE: u32 = 0x4001_0000;
+    const DELETE_ON_CLOSE: u32 = 0x0400_0000;
+    const SHARING_VIOLATION: i32 = 32;
+    let mut options = fs::OpenOptions::new();
+    options.write(true).create(true).share_mode(0).access_mode(WRITE_AND_DELETE).custom_flags(DELETE_ON_CLOSE);
+    loop {
+        match options.open(folder.join(".abbe-held")) {
+            Err(failure) if failure.raw_os_error() == Some(SHARING_VIOLATION) => {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+            opened => return opened,
+        }
+    }
+}
+
 /// Holds the folder until it is dropped: two runs at once would mix their sets.
+#[cfg(not(windows))]
 pub(crate) fn exclusive(folder: &Path) -> std::io::Result<fs::File> {
     let handle = fs::File::open(folder)?;
     match handle.lock() {
