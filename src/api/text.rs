@@ -9,7 +9,7 @@ pub use crate::report::cell;
 pub use crate::standards::NOT_VERIFIED;
 pub use crate::units::{
     Failure as UnknownQuantity, angle, by_uncertainty, counted, fold, fold_beside, length, number, significant,
-    with_sigma, within,
+    with_interval, with_sigma, within,
 };
 
 /// Parses a length with its unit, such as `2 um`, mm.

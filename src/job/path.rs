@@ -5,7 +5,7 @@ use crate::analysis::{AxisMotion, PathEvents, PoleCrossing, Rewind};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Deviation;
 use crate::machine::Machine;
-use crate::units::{significant, within};
+use crate::units::{significant, with_interval};
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
@@ -192,10 +192,7 @@ impl DeviationStep {
     /// Returns it in words, such as `Largest step between rows: 2.01 um, lines 17 to 18`.
     pub fn words(&self) -> String {
         let [from, to] = self.lines;
-        let um = match self.interval_um {
-            Some([low, high]) => within(self.um, Some(low), Some(high)),
-            None => significant(self.um, 4),
-        };
+        let um = with_interval(self.um, self.interval_um);
         if !self.drawn {
             return format!("Largest step between rows: {um} um, lines {from} to {to}");
         }

@@ -53,6 +53,11 @@ pub fn within(value: f64, low: Option<f64>, high: Option<f64>) -> String {
     format!("{value} ({low}..{high})")
 }
 
+/// Returns a figure with its interval as [`within`] does, or with four digits where there is none.
+pub fn with_interval(value: f64, interval: Option<[f64; 2]>) -> String {
+    interval.map_or_else(|| significant(value, 4), |[low, high]| within(value, Some(low), Some(high)))
+}
+
 /// Returns a value and its standard uncertainty to the same decimal, the second of two digits of the uncertainty.
 pub fn with_sigma(value: f64, sigma: f64) -> [String; 2] {
     let place = libm::floor(libm::log10(sigma.max(1e-12))) as i64;

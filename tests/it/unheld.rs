@@ -9,6 +9,7 @@ use super::oracle::random::Random;
 use super::program::Folder;
 use super::support::config::sample;
 use abbe::options::{MapPoses, Reference, ReferenceKind};
+use abbe::results::PoseResult;
 use abbe::{
     EvalOptions, IdentifyOptions, LoadOptions, MachineFile, MapOptions, Run, compare, eval, identify, loads, map,
 };
@@ -69,6 +70,36 @@ fn fitted(lengths: &str, datum: &str) -> MachineFile {
     loads(&found.machine_file.unwrap(), &LoadOptions::default(), Run::default()).unwrap().value
 }
 
+/// Components within their interval, and the sizes of errors and intervals.
+#[derive(Debug, Default)]
+struct Coverage {
+    within: f64,
+    count: f64,
+    squares: f64,
+    expanded: f64,
+}
+
+impl Coverage {
+    fn add(&mut self, truth: &Vector3<f64>, pose: &PoseResult) {
+        let reach = pose.uncertainty.unwrap().deviation;
+        for k in 0..3 {
+            let off = pose.deviation[k] - truth[k];
+            self.within += f64::from(u8::from(off.abs() <= reach[k]));
+            self.count += 1.0;
+            (self.squares, self.expanded) = (self.squares + off * off, self.expanded + reach[k] * reach[k]);
+        }
+    }
+
+    fn share(&self) -> f64 {
+        self.within / self.count
+    }
+
+    /// Expanded uncertainty over twice the root mean square of the true error.
+    fn ratio(&self) -> f64 {
+        (self.expanded / (4.0 * self.squares)).sqrt()
+    }
+}
+
 fn poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
     let one = |random: &mut Random| vec![500.0 * random.unit(), 400.0 * random.unit(), -300.0 * random.unit()];
     (0..count).map(|_| one(random)).collect()
@@ -100,7 +131,7 @@ fn without_zero_and_rotation(points: &[Vector3<f64>], displacements: &[Vector3<f
 #[test]
 fn a_zero_is_without_the_rotations_that_nothing_holds() {
     let blank = blank();
-    let (mut within, mut count, mut squares, mut expanded) = (0, 0, 0.0, 0.0);
+    let mut coverage = Coverage::default();
     for seed in 0..4 {
         let mut random = Random::new(4300 + seed);
         let real = real(&blank, &mut random);
@@ -131,12 +162,7 @@ fn a_zero_is_without_the_rotations_that_nothing_holds() {
         let moved: Vec<Vector3<f64>> = poses.iter().zip(&points).map(|(pose, p)| actual(&real, pose) - p).collect();
         // At the zero itself nothing is left, and known to be.
         for (truth, pose) in without_zero_and_rotation(&points, &moved).iter().zip(&found.poses).skip(1) {
-            let reach = pose.uncertainty.unwrap().deviation;
-            for k in 0..3 {
-                let off = pose.deviation[k] - truth[k];
-                within += usize::from(off.abs() <= reach[k]);
-                (squares, expanded, count) = (squares + off * off, expanded + reach[k] * reach[k], count + 1);
-            }
+            coverage.add(truth, pose);
         }
         let (other, other_p95) = figures("identify: { datum: { zero: machine, line: end-points } }\n");
         assert!((p95 - other_p95).abs() <= 1e-6 * p95, "{p95} {other_p95}");
@@ -148,17 +174,15 @@ fn a_zero_is_without_the_rotations_that_nothing_holds() {
             }
         }
     }
-    let share = within as f64 / f64::from(count);
-    assert!((0.90..=0.99).contains(&share), "{share}");
-    let ratio = (expanded / (4.0 * squares)).sqrt();
-    assert!((0.8..1.4).contains(&ratio), "{ratio}");
+    assert!((0.90..=0.99).contains(&coverage.share()), "{coverage:?}");
+    assert!((0.8..1.4).contains(&coverage.ratio()), "{coverage:?}");
 }
 
 /// The intervals hold the true deviation after the same motions are taken off it, and are of the size of its error.
 #[test]
 fn intervals_without_a_frame_hold_and_are_not_wide() {
     let blank = blank();
-    let (mut within, mut count, mut squares, mut expanded) = (0, 0, 0.0, 0.0);
+    let mut coverage = Coverage::default();
     for seed in 0..6 {
         let mut random = Random::new(4100 + seed);
         let real = real(&blank, &mut random);
@@ -170,19 +194,11 @@ fn intervals_without_a_frame_hold_and_are_not_wide() {
         let points: Vec<Vector3<f64>> = poses.iter().map(|pose| actual(&blank, pose)).collect();
         let moved: Vec<Vector3<f64>> = poses.iter().zip(&points).map(|(pose, p)| actual(&real, pose) - p).collect();
         for (truth, pose) in without_rigid_motion(&points, &moved).iter().zip(&found.poses) {
-            let reach = pose.uncertainty.unwrap().deviation;
-            for k in 0..3 {
-                let off = pose.deviation[k] - truth[k];
-                within += usize::from(off.abs() <= reach[k]);
-                (squares, expanded, count) = (squares + off * off, expanded + reach[k] * reach[k], count + 1);
-            }
+            coverage.add(truth, pose);
         }
     }
-    let share = within as f64 / f64::from(count);
-    assert!((0.91..=0.99).contains(&share), "{share}");
-    // Twice the root mean square of the true error.
-    let ratio = (expanded / (4.0 * squares)).sqrt();
-    assert!((0.8..1.4).contains(&ratio), "{ratio}: {}", (squares / f64::from(count)).sqrt());
+    assert!((0.91..=0.99).contains(&coverage.share()), "{coverage:?}");
+    assert!((0.8..1.4).contains(&coverage.ratio()), "{coverage:?}");
 }
 
 /// What a datum decides is in no figure of the tip: deviations, intervals and comparisons are those of every other datum.

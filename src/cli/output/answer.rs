@@ -8,7 +8,7 @@ use abbe::results::{
     BudgetResult, IdentifyResult, MapResult, MeasurementPlan, Over, OverKind, PercentileInterval, RankedArrangements,
     Verdict,
 };
-use abbe::text::{counted, significant, within};
+use abbe::text::{counted, significant, with_interval, within};
 
 /// `over 298 of 300 tool poses`.
 pub(crate) fn over(of: &Over) -> String {
@@ -18,13 +18,6 @@ pub(crate) fn over(of: &Over) -> String {
     };
     let all = counted(of.poses, what);
     if of.reached < of.poses { format!("over {} of {all}", of.reached) } else { format!("over {all}") }
-}
-
-fn um(value: f64, interval: Option<[f64; 2]>) -> String {
-    match interval {
-        Some([low, high]) => within(value, Some(low), Some(high)),
-        None => short(value),
-    }
 }
 
 fn of_machines(value: f64, interval: Option<&PercentileInterval>) -> String {
@@ -44,8 +37,8 @@ pub(crate) fn map(of: &MapResult) -> String {
         return format!("{limit}Position deviation: 0 um, for no error with a value acts, {over}.\n");
     }
     let band = of.uncertainty.as_ref().map(|of| &of.position_um);
-    let p95 = um(of.position_um.p95, band.map(|band| band.p95));
-    let max = um(of.position_um.max, band.map(|band| band.max));
+    let p95 = with_interval(of.position_um.p95, band.map(|band| band.p95));
+    let max = with_interval(of.position_um.max, band.map(|band| band.max));
     let without = of
         .uncompensated
         .as_ref()

@@ -25,7 +25,7 @@ pub(crate) struct StageProgress {
     quiet: bool,
     visible: bool,
     stage: Mutex<Option<ProgressBar>>,
-    /// What was said last: it is said once.
+    /// The last announcement, which is not repeated.
     said: Mutex<String>,
 }
 

@@ -108,8 +108,8 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
     }
     found.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     // Of two troubles at least one explains a little by itself, but for a pose and a component.
-    let explains = |best: &&Candidate| best.likelihood - null.likelihood > count * libm::log(MIN_FIRST_GAIN);
-    let beam = if found.first().is_some_and(|best| explains(&best)) { SUSPECT_BEAM } else { 0 };
+    let explains = |best: &Candidate| best.likelihood - null.likelihood > count * libm::log(MIN_FIRST_GAIN);
+    let beam = if found.first().is_some_and(explains) { SUSPECT_BEAM } else { 0 };
     let mut pairs = Vec::new();
     let mut beams = [0, 0];
     for first in found.iter().take(beam) {
