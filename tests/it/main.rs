@@ -85,6 +85,7 @@ mod measurements;
 mod mechanisms;
 mod minimum_zone;
 mod mutations;
+mod newcomers;
 mod normals;
 mod options;
 mod oracle;
