@@ -27,11 +27,12 @@ mod thresholds;
 pub(crate) mod verdict;
 mod words;
 
+pub(crate) use data::COMPONENTS;
 pub(crate) use data::lever;
 pub(crate) use data::taken_together;
 pub use data::{
-    DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext, ReadingKind, Repeats, ToolUse,
-    TurnKind, import, read_measurements, repeats,
+    Change, ChangeNames, DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext,
+    ReadingKind, Repeats, Scope, ToolUse, TurnKind, groups, import, read_measurements, repeats,
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
@@ -45,4 +46,4 @@ pub use solve::{
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,
     form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };
-pub use suspect::{Change, Circumstances, Scope, Suspicion, groups, suspect};
+pub use suspect::{Circumstances, Suspicion, suspect};

@@ -251,6 +251,18 @@ pub const MIN_LENGTH_MM: f64 = 1.0;
 /// Misfit of a tracker's points to their poses, and of their sizes, as a share of the size. Above: coordinates in
 /// another unit or of other poses are taken.
 pub const MAX_FRAME_MISFIT_SHARE: f64 = 0.05;
+/// Distance (mm, RMS) of readings from their poses from which on something must be mixed up, if a change of the data
+/// explains it: a robot as its maker has it is 2 to 3 mm off.
+pub const MIN_COARSE_MM: f64 = 5.0;
+/// Ratio of what is left without and with a change that explains it. The nominal machine leaves its errors: a
+/// millimetre of 20.
+pub const MIN_COARSE_GAIN: f64 = 10.0;
+/// Ratio to the least that is left, up to which other changes explain as much.
+pub const MAX_COARSE_ALIKE: f64 = 3.0;
+/// Rows that are looked at for that.
+pub const COARSE_ROWS: usize = 200;
+/// Of more rows as many neighbours are looked at together, so that exchanges of neighbours can be tried.
+pub const COARSE_BLOCK: usize = 8;
 /// Distance of positions (mm or deg) up to which they are one target whatever the steps are: rounding of decimals.
 pub const SAME_TARGET: f64 = 1e-6;
 /// Farthest apart (mm or deg) of measured positions of one target: a worn machine, and less than the steps of any test.
@@ -389,6 +401,8 @@ pub const MIN_SUSPECT_RATIO: f64 = 1.7;
 pub const SUSPECT_BEAM: usize = 8;
 /// Changes that are judged well, the best at a glance.
 pub const SUSPECT_FINALISTS: usize = 16;
+/// Changes, the best first, of which the fit of all readings is tried.
+pub const SUSPECT_VERIFIED: usize = 3;
 /// Logarithm of the likelihood within which changes explain alike.
 pub const MAX_ALIKE_LIKELIHOOD: f64 = 3.0;
 /// Other changes of the kind that are named.
@@ -398,6 +412,8 @@ pub const MIN_SUSPECT_LIKELIHOOD: f64 = 20.0;
 /// The same as a ratio of what is left, before over after. Below: good campaigns are accused; above: troubles of three
 /// times the noise, which leave form as well, pass.
 pub const MIN_SUSPECT_GAIN: f64 = 1.9;
+/// [`MIN_SUSPECT_GAIN`] of exchanges and signs alone, which of good data make nothing better.
+pub const MIN_EXCHANGE_GAIN: f64 = 1.1;
 /// Scatter of one component, before over after, that is enough whatever the others say. Below: form in one direction
 /// is taken for a drift.
 pub const MIN_COMPONENT_GAIN: f64 = 2.5;

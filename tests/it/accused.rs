@@ -13,10 +13,10 @@ use abbe::{IdentifyOptions, LoadOptions, Run, identify, loads};
 use rayon::prelude::*;
 
 /// Name of an axis, true on the workpiece side, origin, travel (none without an end).
-type Built = (&'static str, bool, [f64; 3], Option<[f64; 2]>);
+pub(crate) type Built = (&'static str, bool, [f64; 3], Option<[f64; 2]>);
 
 /// Machines, walks from workpiece to tool. The last two are built as none of `configs/`.
-fn builds() -> Vec<Vec<Built>> {
+pub(crate) fn builds() -> Vec<Vec<Built>> {
     let turn = None;
     vec![
         vec![
@@ -57,10 +57,10 @@ fn builds() -> Vec<Vec<Built>> {
 }
 
 const GAUGE: [f64; 3] = [400.0, 300.0, 0.0];
-const TOOLS: [(&str, f64); 2] = [("short", 90.0), ("long", 190.0)];
+pub(crate) const TOOLS: [(&str, f64); 2] = [("short", 90.0), ("long", 190.0)];
 
 /// The blank machine with one of the tools.
-fn blank(build: &[Built], tool: usize) -> Sample {
+pub(crate) fn blank(build: &[Built], tool: usize) -> Sample {
     let axis = |(name, workpiece, origin, _): &Built| {
         let index = "XYZABC".find(name).unwrap();
         Axis {
@@ -84,7 +84,7 @@ fn blank(build: &[Built], tool: usize) -> Sample {
     Sample { rigid, axes: build.iter().map(extra).collect(), branches: false }
 }
 
-fn file(build: &[Built]) -> String {
+pub(crate) fn file(build: &[Built]) -> String {
     let names = |on: bool, prime: &str| -> String {
         build.iter().filter(|a| a.1 == on).map(|a| format!("{}{prime} ", a.0)).collect()
     };
@@ -120,13 +120,13 @@ fn fit(build: &[Built], rich: bool) -> Vec<String> {
 
 /// A campaign before it is written.
 #[derive(Clone)]
-struct Campaign {
-    build: Vec<Built>,
+pub(crate) struct Campaign {
+    pub build: Vec<Built>,
     rich: bool,
     /// Standard deviation of a reading, mm.
     noise: f64,
     /// Pose, tool, run, deviation (mm).
-    rows: Vec<(Vec<f64>, usize, usize, [f64; 3])>,
+    pub rows: Vec<(Vec<f64>, usize, usize, [f64; 3])>,
 }
 
 /// A curve of low order, and waves a seventh of the travel long.
@@ -153,7 +153,7 @@ fn curve(random: &mut Random, travel: Option<[f64; 2]>, low_order: f64, form: f6
 
 /// A good campaign of this build: location errors, low curves, forms up to 1.5 um and 4 urad on all axes, two tools,
 /// three runs, poses at random or in order.
-fn good(random: &mut Random, build: usize, rich: bool) -> Campaign {
+pub(crate) fn good(random: &mut Random, build: usize, rich: bool) -> Campaign {
     let build = builds()[build].clone();
     let noise = if rich { [0.5e-3, 1e-3, 2e-3, 4e-3] } else { [2e-3, 2e-3, 3e-3, 4e-3] }[random.below(4)];
     let form = [0.0, 0.5, 1.0, 1.5][random.below(4)];
@@ -451,7 +451,7 @@ fn options(campaign: &Campaign) -> IdentifyOptions {
 }
 
 /// Diagnostics of a refusal, and code and words of the warnings else; with the file.
-fn outcome(build: &[Built], options: &IdentifyOptions) -> (String, Option<String>) {
+pub(crate) fn outcome(build: &[Built], options: &IdentifyOptions) -> (String, Option<String>) {
     let machine = loads(&file(build), &LoadOptions::default(), Run::on_disk()).unwrap().value;
     match identify(&machine, options, Run::on_disk()) {
         Ok(answer) => (format!("{:?}", answer.warnings), answer.value.machine_file),

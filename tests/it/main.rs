@@ -41,6 +41,7 @@ mod eval_exact;
 mod eval_order;
 mod every_target;
 mod examples;
+mod far_off;
 mod faults;
 mod figures;
 mod first_hour;

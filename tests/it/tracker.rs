@@ -159,13 +159,13 @@ fn points_without_names_of_poses_go_by_order_and_mistakes_are_refused() {
     };
     fails(&of.stations[0], &nameless, "41 points for 40 poses");
     let micrometres = folder.with("micrometres.csv", &bare.replace("[mm]", "[um]"));
-    fails(&micrometres, &of.poses, "0.001 times as far apart");
+    fails(&micrometres, &of.poses, "with the readings times 1000 (mm taken for um");
     let mut lines: Vec<&str> = bare.lines().collect();
     lines[1..].reverse();
     let reversed = lines.join("\n");
     fails(&folder.with("reversed.csv", &reversed), &nameless, "mm off their poses");
     let mirrored = bare.replace(";X [mm];Y [mm];", ";Y [mm];X [mm];");
-    fails(&folder.with("mirrored.csv", &mirrored), &of.poses, "mm off their poses");
+    fails(&folder.with("mirrored.csv", &mirrored), &of.poses, "with the coordinates of the other hand");
     let two: String = bare.lines().take(3).map(|l| l.to_owned() + "\n").collect();
     fails(&folder.with("two.csv", &two), &of.poses, "fewer than three points");
     fails(&folder.with("other.csv", &bare.replace("\nP", "\nQ")), &of.poses, "none of the points");

@@ -1,21 +1,23 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
-use super::columns::{Content, LengthKind, MeasurementColumn, ReadingQuantity, RowForm, columns, pose_columns};
+use super::coarse::{Coarse, CoarseSights, StationSight};
+use super::columns::{Content, LengthKind, MeasurementColumn, RowForm, columns, pose_columns};
+use super::draft::{Draft, PointPoses, runs, weight};
 use super::failure::RowFailure;
 use super::measurement::{
     DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, SetExtent, TurnKind, lever,
 };
 use super::station::{self, StationFailure};
 use super::touches::{Touch, TouchUnknowns};
-use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
+use super::tracker::{self, InstrumentFrame, PointColumns};
 use super::turns::{self, SeenTurn};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::identify::lists::index_of;
-use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
+use crate::identify::thresholds::MIN_LENGTH_MM;
 use crate::job::poses::other_units;
-use crate::lower::{NominalPose, Source};
-use crate::machine::{Approach, Direction, Machine, Pose};
+use crate::lower::NominalPose;
+use crate::machine::{Approach, Machine};
 use crate::syntax::Files;
 use crate::syntax::sheet::{self, Decimals, SheetLine, read_sheet};
 use crate::units::{FARTHEST, counted};
@@ -28,55 +30,6 @@ const MAX_MISTAKES: usize = 5;
 const MIN_NORMAL: f64 = 1e-9;
 /// Maximum number of names that a warning lists.
 const MAX_LISTED: usize = 5;
-/// One row before its run is known as a whole.
-#[derive(Debug, Clone)]
-struct Draft {
-    row: Measurement,
-    to: Option<Pose>,
-    /// Kind and value of a length.
-    length: Option<(LengthKind, f64)>,
-    along: f64,
-    errors: Vec<(Source, Approach, f64)>,
-    /// Weight of angles, where their uncertainty is given.
-    angles: Option<f64>,
-    station: Option<String>,
-    at: [Option<f64>; 3],
-    /// Standard uncertainty of the place (mm).
-    known: Option<f64>,
-    ball: String,
-    feature: String,
-    normal: [f64; 3],
-    /// Place in the instrument's frame.
-    tracker: [Option<f64>; 3],
-    /// Components of an orientation (rad).
-    turn: [Option<f64>; 3],
-    point: String,
-}
-
-impl Draft {
-    /// Takes a reading for planned: its value does not matter.
-    fn plan(&mut self, content: &Content, deviation: &mut [Option<f64>; 3]) {
-        match *content {
-            Content::Deviation(k) | Content::Relative(k) => deviation[k] = Some(0.0),
-            Content::Tracker(k) => self.tracker[k] = Some(0.0),
-            Content::Turn(_, k) => self.turn[k] = Some(0.0),
-            Content::Error(source, approach) => self.errors.push((source, approach.unwrap_or_default(), 0.0)),
-            Content::Length(kind) => self.length = Some((kind, 0.0)),
-            _ => {}
-        }
-    }
-
-    /// Takes a standard uncertainty (mm or rad) for the weight.
-    fn uncertain(&mut self, quantity: ReadingQuantity, value: f64, cell: &str) -> Result<(), RowFailure> {
-        let angle = quantity == ReadingQuantity::Angle;
-        let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
-        let weight = weight(1.0 / (um * um), cell)?;
-        self.row.has_uncertainty = true;
-        *(if angle { self.angles.get_or_insert(weight) } else { &mut self.row.weight }) = weight;
-        Ok(())
-    }
-}
-
 /// Reads files of measurements of one machine, and collects rows and unknowns.
 struct MeasurementReader<'a> {
     machine: &'a Machine,
@@ -90,13 +43,6 @@ struct MeasurementReader<'a> {
     poses: Option<PointPoses>,
     /// True if a file has points by name.
     has_points: bool,
-}
-
-/// Poses at which points were measured, in the order of their table.
-struct PointPoses {
-    drafts: Vec<Draft>,
-    /// True if the table names the points.
-    has_names: bool,
 }
 
 /// Frame and poses of readings, which their own columns do not state.
@@ -498,6 +444,12 @@ impl MeasurementReader<'_> {
     /// Adds readings of a ball on the workpiece that the functional point was brought to: the actual point is the same
     /// in all poses of a run.
     fn balls(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        let mut names = Vec::new();
+        let balls: Vec<usize> =
+            drafts.iter().map(|d| index_of(&mut names, (d.ball.clone(), d.row.run.clone()))).collect();
+        let name = format!("{}balls", self.file);
+        let mixed_up = self.mixed_up(&name, &drafts.iter().collect::<Vec<_>>(), CoarseSights::Balls(&balls));
+        mixed_up.map_or(Ok(()), Err)?;
         for (run, drafts) in runs(drafts, |draft| draft.ball.clone()) {
             let zero = self.data.unknown_components(&format!("{}ball{run}", self.file), [true; 3]);
             let Some(head) = drafts.first() else { continue };
@@ -523,6 +475,14 @@ impl MeasurementReader<'_> {
         Ok(())
     }
 
+    /// Returns a refusal of readings that something mixed up explains, where they are far off their poses.
+    fn mixed_up(&self, name: &str, drafts: &[&Draft], sights: CoarseSights<'_>) -> Option<Box<Diagnostic>> {
+        let row = |i: usize| drafts[i].row.clone();
+        let coarse = Coarse::new(self.machine, &self.machines, drafts.len(), &row, sights);
+        let place = drafts.first().map(|draft| draft.row.place.clone());
+        if self.is_plan { None } else { coarse.explained(name, place).map(Box::new) }
+    }
+
     /// Adds positions in the frame of an instrument, whose displacement and rotation are six unknowns of the run.
     fn positions(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
@@ -532,8 +492,10 @@ impl MeasurementReader<'_> {
             let name = format!("{}tracker{run}", self.file);
             let fitted = InstrumentFrame::fit(&nominal, &measured).map_err(|failure| {
                 let place = drafts.first().map(|draft| draft.row.place.clone());
+                let mixed_up = self.mixed_up(&name, &drafts.iter().collect::<Vec<_>>(), CoarseSights::Frame(&measured));
                 let message = format!("{name}: {failure}");
-                Box::new(Diagnostic::new(codes::E0501, message).at(place, "").help(failure.help()))
+                let plain = || Diagnostic::new(codes::E0501, message).at(place, "").help(failure.help());
+                mixed_up.unwrap_or_else(|| Box::new(plain()))
             })?;
             let frame = self.data.unknown_frame(&name);
             for ((mut draft, nominal), measured) in drafts.into_iter().zip(nominal).zip(measured) {
@@ -635,6 +597,7 @@ impl MeasurementReader<'_> {
                 None => groups.push((name, vec![draft])),
             }
         }
+        self.sights_mixed_up(&groups)?;
         for (name, drafts) in groups {
             let label = if name.is_empty() { "station".to_owned() } else { format!("station {}", shown(&name)) };
             let place = drafts.first().map(|draft| draft.row.place.clone());
@@ -656,6 +619,27 @@ impl MeasurementReader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses distances from stations that something mixed up explains, where they are far off their poses.
+    fn sights_mixed_up(&self, groups: &[(String, Vec<Draft>)]) -> Result<(), Box<Diagnostic>> {
+        let mut runs: Vec<Option<&String>> = Vec::new();
+        let (mut rows, mut sights) = (Vec::new(), Vec::new());
+        let mut all: Vec<(usize, &Draft)> =
+            groups.iter().enumerate().flat_map(|(k, group)| group.1.iter().map(move |d| (k, d))).collect();
+        all.sort_by_key(|(_, draft)| draft.row.place.range.start);
+        for (station, draft) in all {
+            let Some((kind, value)) = draft.length else { return Ok(()) };
+            let run = match kind {
+                LengthKind::Whole => None,
+                LengthKind::Displacement => Some(index_of(&mut runs, draft.row.run.as_ref())),
+                LengthKind::FromNominal => return Ok(()),
+            };
+            rows.push(draft);
+            sights.push(StationSight { station, value, run });
+        }
+        let name = format!("{}lengths", self.file);
+        self.mixed_up(&name, &rows, CoarseSights::Stations(&sights)).map_or(Ok(()), Err)
     }
 
     /// Returns the approximate place of a station: from the file, or by its own distances.
@@ -700,56 +684,12 @@ impl MeasurementReader<'_> {
     }
 }
 
-impl PointPoses {
-    /// Returns the rows of points, and the names of those that have no pose.
-    fn of(&self, points: Vec<TrackedPoint>) -> Result<(Vec<Draft>, Vec<String>), PointFailure> {
-        if !self.has_names {
-            if self.drafts.len() != points.len() {
-                return Err(PointFailure::Count(points.len(), self.drafts.len()));
-            }
-            let rows = self.drafts.iter().zip(points).map(|(draft, point)| draft.with_point(point));
-            return Ok((rows.collect(), Vec::new()));
-        }
-        let by_name: std::collections::BTreeMap<&str, &Draft> =
-            self.drafts.iter().map(|draft| (draft.point.as_str(), draft)).collect();
-        let (mut rows, mut unknown): (Vec<Draft>, Vec<String>) = (Vec::new(), Vec::new());
-        for point in points {
-            match by_name.get(point.name.as_str()) {
-                Some(draft) => rows.push(draft.with_point(point)),
-                None => unknown.push(point.name),
-            }
-        }
-        if rows.is_empty() { Err(PointFailure::NoPose) } else { Ok((rows, unknown)) }
-    }
-}
-
-impl Draft {
-    /// Returns the row of a point that was measured at this pose.
-    fn with_point(&self, point: TrackedPoint) -> Self {
-        let mut draft = self.clone();
-        draft.tracker = <[f64; 3]>::from(point.at).map(Some);
-        draft.row.place = point.place;
-        draft
-    }
-}
-
 /// Returns a warning of columns or points that are not used.
 fn left_out(names: &[String], what: &str, code: codes::Code, place: &Option<Place>) -> Option<Diagnostic> {
     let list: Vec<String> = names.iter().take(MAX_LISTED).map(|name| format!("`{}`", shown(name))).collect();
     let more = if names.len() > MAX_LISTED { " ..." } else { "" };
     let message = format!("{} left out: {}{more}", counted(names.len(), what), list.join(", "));
     (!names.is_empty()).then(|| Diagnostic::new(code, message).at(place.clone(), "").help(POINTS))
-}
-
-/// Groups rows by run (and by `also`), in the order of their first rows; the name is empty or begins with a blank.
-fn runs(drafts: Vec<Draft>, also: impl Fn(&Draft) -> String) -> Vec<(String, Vec<Draft>)> {
-    let mut groups: indexmap::IndexMap<String, Vec<Draft>> = indexmap::IndexMap::new();
-    for draft in drafts {
-        let words = [draft.row.run.clone().unwrap_or_default(), also(&draft)];
-        let name = words.iter().filter(|w| !w.is_empty()).map(|w| format!(" {}", shown(w))).collect();
-        groups.entry(name).or_default().push(draft);
-    }
-    groups.into_iter().collect()
 }
 
 fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
@@ -763,12 +703,6 @@ fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
 /// Refuses a length (mm) or coordinate that nobody can measure.
 fn near(value: f64, cell: &str) -> Result<f64, RowFailure> {
     if value.abs() <= FARTHEST { Ok(value) } else { Err(RowFailure::Far(cell.to_owned())) }
-}
-
-/// Refuses a weight that sums of squares cannot bear.
-fn weight(value: f64, cell: &str) -> Result<f64, RowFailure> {
-    let good = (MIN_WEIGHT..=1.0 / MIN_WEIGHT).contains(&value);
-    if good { Ok(value) } else { Err(RowFailure::Weight(cell.to_owned(), value)) }
 }
 
 fn positive(value: f64, cell: &str, quantity: &'static str) -> Result<f64, RowFailure> {

@@ -193,22 +193,29 @@ pub(super) enum FrameFailure {
 }
 
 impl InstrumentFrame {
-    /// Fits a rigid motion (Kabsch 1976).
+    /// Fits a rigid motion (Kabsch 1976) and refuses one that leaves more than errors of a machine.
     pub fn fit(nominal: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Result<Self, FrameFailure> {
         let count = nominal.len().max(1) as f64;
-        let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / count;
-        let (about, origin) = (mean(nominal), mean(measured));
+        let (frame, rest) = Self::best(nominal, measured);
         let size = |points: &[Vector3<f64>], from: &Vector3<f64>| {
             libm::sqrt(points.iter().map(|p| (p - from).norm_squared()).sum::<f64>() / count)
         };
-        let spread = DMatrix::from_fn(nominal.len(), 3, |i, k| (nominal[i] - about)[k]);
+        let spread = DMatrix::from_fn(nominal.len(), 3, |i, k| (nominal[i] - frame.about)[k]);
         if Svd::new(&spread).rank(COLLINEAR_SHARE) < 2 {
             return Err(FrameFailure::Line);
         }
-        let (wanted, found) = (size(nominal, &about), size(measured, &origin));
+        let (wanted, found) = (size(nominal, &frame.about), size(measured, &frame.origin));
         if (found / wanted - 1.0).abs() > MAX_FRAME_MISFIT_SHARE {
             return Err(FrameFailure::Size(found / wanted));
         }
+        if rest > MAX_FRAME_MISFIT_SHARE * wanted { Err(FrameFailure::Misfit(rest)) } else { Ok(frame) }
+    }
+
+    /// Returns the best rigid motion, and what it leaves (mm, RMS).
+    pub fn best(nominal: &[Vector3<f64>], measured: &[Vector3<f64>]) -> (Self, f64) {
+        let count = nominal.len().max(1) as f64;
+        let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / count;
+        let (about, origin) = (mean(nominal), mean(measured));
         let products = nominal.iter().zip(measured).map(|(p, m)| (p - about) * (m - origin).transpose());
         let products = products.sum::<Matrix3<f64>>();
         let svd = Svd::new(&DMatrix::from_fn(3, 3, |i, j| products[(i, j)]));
@@ -220,7 +227,7 @@ impl InstrumentFrame {
         let frame = Self { rotation: directions(&svd.v) * directions(&svd.u).transpose(), about, origin };
         let squares = nominal.iter().zip(measured).map(|(p, m)| (frame.in_workpiece(m) - p).norm_squared());
         let rest = libm::sqrt(squares.sum::<f64>() / count);
-        if rest > MAX_FRAME_MISFIT_SHARE * wanted { Err(FrameFailure::Misfit(rest)) } else { Ok(frame) }
+        (frame, rest)
     }
 
     /// Returns a measured point in the workpiece frame.

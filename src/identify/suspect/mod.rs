@@ -1,14 +1,13 @@
 //! Readings that accuse themselves: a change of the data, such as two columns exchanged, that explains what a fit
 //! leaves.
 //!
-//! `change`: the changes that are tried, in words and with their remedies. `screen`: a sample of the readings on which
+//! `change`: the changes that are tried. `screen`: a sample of the readings on which
 //! they are judged by likelihood. [`suspect`]: the search over single changes and pairs, and the fit of the best one.
 
 mod change;
 mod screen;
 
-pub use change::{Change, Scope, groups};
-
+use super::data::change::{Change, Scope};
 use super::data::{Measurement, Repeats};
 use super::model::FitModel;
 use super::solve::{ParameterFit, Solution, solve};
@@ -84,8 +83,13 @@ pub fn suspect(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_
     let Suspicion { mut changes, left, others } = found.unwrap_or_else(nothing);
     // A factor of all readings is consistent: the noise alone tells it.
     let ratio = of.noise.filter(|_| of.after > 0.0).map(|noise| of.sigma * left / of.after / noise);
-    let in_nanometres = |ratio: &f64| UNIT_NOISE_RATIOS.contains(ratio) && of.after > MIN_UNIT_LEFT_MM;
-    let unit = ratio.filter(in_nanometres).map(|_| change::nanometres());
+    let factor = |ratio: f64| {
+        let too_large = UNIT_NOISE_RATIOS.contains(&ratio) && of.after > MIN_UNIT_LEFT_MM;
+        // Of readings that are all smaller than their noise: data without noise scatter as little, about something.
+        let too_small = UNIT_NOISE_RATIOS.contains(&(1.0 / ratio)) && of.noise > change::read_size(model, data);
+        too_large.then_some(1e-3).or(too_small.then_some(1e3))
+    };
+    let unit = ratio.and_then(factor).map(change::of_all);
     let scale = unit.as_ref().map_or(1.0, |(_, factor)| *factor);
     changes.extend(unit.map(|(change, _)| change));
     (!changes.is_empty()).then_some(Suspicion { changes, left: left * scale, others })
@@ -132,19 +136,23 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
         best.iter().for_each(|changes| found.extend(with_rows_left_out(&screen, changes)));
     }
     found.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
-    let best = simplest(&found, count)?;
-    let gain = best.likelihood - null.likelihood;
-    // A trouble of one component is drowned by the others. In another unit all scatters are smaller.
-    let rescales = best.changes.iter().any(Change::rescales);
-    let of_one =
-        !rescales && null.sigmas.iter().zip(&best.sigmas).any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
-    let explains = of_one || gain >= count * libm::log(MIN_SUSPECT_GAIN);
-    if gain < MIN_SUSPECT_LIKELIHOOD
-        || !explains
-        || screen.gain_by_form(problems[0].1.as_ref()?).is_some_and(|form| gain < form)
-    {
-        return None;
-    }
+    let form = std::cell::OnceCell::new();
+    let by_form = || *form.get_or_init(|| screen.gain_by_form(problems[0].1.as_ref()?));
+    let explains = |best: &&Candidate| {
+        let gain = best.likelihood - null.likelihood;
+        // A trouble of one component is drowned by the others. In another unit all scatters are smaller.
+        let rescales = best.changes.iter().any(Change::rescales);
+        let mut sigmas = null.sigmas.iter().zip(&best.sigmas);
+        let of_one = !rescales && sigmas.any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
+        let enough = of_one || gain >= count * libm::log(least_gain(&best.changes));
+        enough && gain >= MIN_SUSPECT_LIKELIHOOD && by_form().is_none_or(|form| gain >= form)
+    };
+    let exchanges = || found.iter().filter(|one| one.changes.iter().all(Change::is_exchange)).collect::<Vec<_>>();
+    // What the sample promises the fit of all readings may not keep: then the next one.
+    let whole = found.iter().collect::<Vec<_>>();
+    let first = [simplest(&whole, count), simplest(&exchanges(), count)].into_iter().flatten();
+    let mut candidates = first.chain(found.iter().take(SUSPECT_VERIFIED)).filter(explains);
+    let (best, suspicion) = candidates.find_map(|best| Some((best, verified(&screen, best, of)?)))?;
     let alike = |one: &&Candidate| {
         one.changes != best.changes
             && one.changes.len() == best.changes.len()
@@ -158,7 +166,7 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
         }
     }
     others.truncate(MAX_ALTERNATIVES);
-    verified(&screen, best, of).map(|found| Suspicion { others, ..found })
+    Some(Suspicion { others, ..suspicion })
 }
 
 fn both(first: &Candidate, next: &Change) -> Vec<Change> {
@@ -211,10 +219,16 @@ fn with_rows_left_out(screen: &Screen<'_>, changes: &[Change]) -> Option<Candida
 }
 
 /// Returns the best one, or a part of it that explains almost as much.
-fn simplest(found: &[Candidate], count: f64) -> Option<&Candidate> {
-    let best = found.first()?;
+fn simplest<'a>(found: &[&'a Candidate], count: f64) -> Option<&'a Candidate> {
+    let best = *found.first()?;
     let enough = best.likelihood - count * libm::log(MIN_SECOND_GAIN);
-    found.iter().find(|one| one.changes.len() < best.changes.len() && one.likelihood >= enough).or(Some(best))
+    let simpler = |one: &&&Candidate| one.changes.len() < best.changes.len() && one.likelihood >= enough;
+    found.iter().find(simpler).copied().or(Some(best))
+}
+
+/// Returns the ratio of what is left without and with changes from which on they are named.
+fn least_gain(changes: &[Change]) -> f64 {
+    if changes.iter().all(Change::is_exchange) { MIN_EXCHANGE_GAIN } else { MIN_SUSPECT_GAIN }
 }
 
 /// Fits the changed data as a whole; `None` if that leaves more than the sample promised.
@@ -223,7 +237,7 @@ fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Op
     let rescales = changes.iter().any(Change::rescales);
     let found = |left: f64| {
         // More than errors of a machine is a fit that ran away.
-        let explains = (rescales || left * MIN_SUSPECT_GAIN <= of.after) && left < SUSPECT_PRIOR_MM;
+        let explains = (rescales || left * least_gain(changes) <= of.after) && left < SUSPECT_PRIOR_MM;
         explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
     };
     if changes.iter().any(Change::adds_unknowns) {

@@ -4,7 +4,8 @@
 //! own: noisier readings of one component are no other unit. Factors of readings count with their logarithm (the
 //! density of the readings as they are), freed amounts as in Schwarz's criterion (BIC 1978).
 
-use super::change::{Change, is_reachable, posed, revalued};
+use super::change::{posed, revalued};
+use crate::identify::data::change::{Change, is_reachable};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::lists::index_of;
 use crate::identify::model::{FitModel, Parameter, sizes};

@@ -4,7 +4,7 @@ use super::fitted::FitDiagnosis;
 use super::inputs::FitAcceptance;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::thresholds::{MAX_NOISE_PROBABILITY, MIN_GROUP_RATIO, MIN_GROUP_READINGS};
-use crate::identify::{Change, Scope, both_tails, groups};
+use crate::identify::{COMPONENTS, Change, ChangeNames, Scope, both_tails, groups};
 use crate::units::significant;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -44,6 +44,10 @@ pub struct ResidualGroup {
     pub stands_out: bool,
 }
 
+fn instrument_name(fitted: &FitDiagnosis<'_>, index: usize) -> String {
+    fitted.unknowns.get(fitted.own + index).map_or_else(String::new, |unknown| unknown.name.clone())
+}
+
 /// Returns the suspicion in words.
 pub(crate) fn suspect(
     fitted: &FitDiagnosis<'_>,
@@ -51,7 +55,13 @@ pub(crate) fn suspect(
     accept: &[FitAcceptance],
 ) -> Option<SuspectReadings> {
     let found = fitted.suspicion.as_ref()?;
-    let words = |change: &Change| change.words(fitted.machine, fitted.unknowns, fitted.own, fitted.data, sources);
+    let instrument = |index: usize| instrument_name(fitted, index);
+    let row = |row: usize| {
+        let place = &fitted.data[row].place;
+        format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
+    };
+    let names = ChangeNames { machine: fitted.machine, instrument: &instrument, row: &row, components: COMPONENTS };
+    let words = |change: &Change| change.words(&names);
     Some(SuspectReadings {
         changes: found.changes.iter().map(words).collect(),
         others: found.others.iter().map(|other| other.iter().map(words).collect::<Vec<_>>().join(AND)).collect(),
@@ -128,7 +138,7 @@ pub(crate) fn residual_groups(fitted: &FitDiagnosis<'_>, residuals: &[Vector3<f6
         let stands_out = readings >= MIN_GROUP_READINGS && rms_um > MIN_GROUP_RATIO * all;
         list.extend((readings > 0).then_some(ResidualGroup { by, of, readings, rms_um, stands_out }));
     };
-    for (k, name) in ["dx", "dy", "dz"].into_iter().enumerate() {
+    for (k, name) in COMPONENTS.into_iter().enumerate() {
         push("component", name.to_owned(), rms(&|row, own| own == k && data[row].readings() + k > 1));
     }
     for (i, axis) in fitted.machine.axes().iter().enumerate() {
@@ -141,13 +151,16 @@ pub(crate) fn residual_groups(fitted: &FitDiagnosis<'_>, residuals: &[Vector3<f6
             push("axis", of, rms(&|row, _| third(data[row].pose[i]) == part));
         }
     }
+    let instrument = |index: usize| instrument_name(fitted, index);
+    let row = |_: usize| String::new();
+    let names = ChangeNames { machine: fitted.machine, instrument: &instrument, row: &row, components: COMPONENTS };
     for scope in groups(data) {
         let by = match scope {
             Scope::Run(_) => "run",
             Scope::Tool(_) => "tool",
             _ => "station",
         };
-        let of = scope.words(fitted.machine, fitted.unknowns, fitted.own);
+        let of = scope.words(&names);
         push(by, of, rms(&|row, _| scope.holds(&data[row])));
     }
     list
