@@ -161,6 +161,12 @@ impl Draws {
         key
     }
 
+    /// Returns a location error of a sample, as a fraction of its tolerance.
+    pub fn constant(&self, error: &impl Display, sample: usize) -> f64 {
+        let [fraction] = self.constants(error, sample);
+        fraction
+    }
+
     /// Returns a location error of samples `first..first + N`, as fractions of its tolerance.
     pub fn constants<const N: usize>(&self, error: &impl Display, first: usize) -> [f64; N] {
         let key = self.key(error);
