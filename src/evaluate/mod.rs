@@ -16,6 +16,8 @@ mod statistics;
 mod tally;
 mod terms;
 
+pub(crate) use compiled::lanes::run as run_kernel;
+pub(crate) use compiled::simd::{Kernel, Lanes};
 pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Output, PoseColumns, Width};
 pub use deviation::{
     Expansion, Frame, Order, UnknownOrder, command_deviation, evaluate, expand, expand_over, frame_rotation, response,
