@@ -32,7 +32,7 @@ impl Explanation {
 pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
     let code = info(topic).map(Explanation::of_code);
     code.or_else(|| class(topic))
-        .or_else(|| target(topic).map(Explanation::of_target))
+        .or_else(|| target(topic).ok().map(Explanation::of_target))
         .or_else(|| error_name(topic))
         .or_else(|| word(topic))
         .ok_or_else(|| {

@@ -88,9 +88,9 @@ pub use record::{RecordOptions, check_record, record, record_trend};
 pub use replay::replay;
 pub use show::show;
 pub use sources::{SourcesOptions, sources};
-pub use starter::{NAMED_MACHINES, VARIANTS, machines_text, named_machine, schema, starter};
+pub use starter::{NAMED_MACHINES, VARIANTS, machine_dialogue, machines_text, named_machine, schema, starter};
 pub use summary::summary;
-pub use targets::targets;
+pub use targets::{target, targets};
 pub use testpiece::testpiece;
 pub use verify::{VerifyOptions, verify};
 

@@ -2,7 +2,9 @@
 
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::CLASS_NAMES;
+use crate::syntax::dialogue::{MachineDialogue, dialogue};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A kind of machine to begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -129,6 +131,13 @@ pub fn named_machine(name: &str) -> Result<String, Diagnostic> {
             Diagnostic::new(codes::E0101, message).help(did_you_mean(name, &names))
         }
     })
+}
+
+/// Returns the questions that answers by key lead to, and the commented machine file once all are understood.
+///
+/// An answer that is missing or empty is the one that its question proposes.
+pub fn machine_dialogue(answers: &BTreeMap<String, String>) -> MachineDialogue {
+    dialogue(answers, &CLASS_NAMES)
 }
 
 /// Returns the list of what `abbe init --from` takes, with classes and controls, in 80 columns.

@@ -1,7 +1,8 @@
 //! The controllers: their mechanisms, their limits, and the certainty of these facts.
 
 use crate::compensation::{KinematicsMechanism, ModuleContent, ParameterVector, Spacing, TableRules};
-use crate::controller::{Certainty, ControllerTarget, NAMES};
+use crate::controller::{Certainty, ControllerTarget, NAMES, unknown_target};
+use crate::diagnostic::Diagnostic;
 use serde::Serialize;
 
 /// A controller in short.
@@ -49,11 +50,13 @@ pub fn targets() -> Vec<TargetSummary> {
     if !cfg!(feature = "controllers") {
         return Vec::new();
     }
-    NAMES.iter().filter_map(|name| target(name)).collect()
+    NAMES.iter().filter_map(|name| target(name).ok()).collect()
 }
 
-pub(crate) fn target(name: &str) -> Option<TargetSummary> {
-    ControllerTarget::builtin(name).map(|target| TargetSummary::of(&target))
+/// Returns one of them in short. Fails for a name that none has.
+pub fn target(name: &str) -> Result<TargetSummary, Diagnostic> {
+    let found = ControllerTarget::builtin(name).map(|target| TargetSummary::of(&target));
+    found.ok_or_else(|| unknown_target(name))
 }
 
 impl TargetSummary {

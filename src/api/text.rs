@@ -8,7 +8,7 @@ pub use crate::job::poses::axes_text;
 pub use crate::report::cell;
 pub use crate::standards::NOT_VERIFIED;
 pub use crate::units::{
-    Failure as UnknownQuantity, angle, by_uncertainty, counted, fold, fold_beside, length, number, significant,
+    Failure as UnknownQuantity, angle, by_uncertainty, counted, ends, fold, fold_beside, length, number, significant,
     with_interval, with_sigma, within,
 };
 

@@ -7,6 +7,7 @@ use super::verbs::{
     import, init, instrument, locate, man, map, reach, record, report, show, targets, testpiece, verify, workbench,
 };
 use super::{confined, threads};
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -92,7 +93,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments: Vec<OsString> = arguments.collect();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(message) => return usage(&message),
+        Err(message) => return usage(&with_verbs(message)),
     };
     if cli.global.template_child {
         confined::limit();
@@ -112,6 +113,21 @@ fn exit_code(cli: Cli) -> ExitCode {
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)
+}
+
+/// Names verbs for a machine file where a verb is wanted.
+fn with_verbs(mut message: clap::Error) -> clap::Error {
+    let word = match message.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(word)) => word.clone(),
+        _ => return message,
+    };
+    if [".yaml", ".yml"].iter().any(|ending| word.ends_with(ending)) {
+        // Names of files resemble verbs by chance.
+        let _ = message.remove(ContextKind::SuggestedSubcommand);
+        let tip = format!("a verb is before the file: `abbe check {word}`, `abbe workbench {word}`");
+        let _ = message.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    message
 }
 
 fn usage(message: &clap::Error) -> ExitCode {

@@ -30,7 +30,7 @@ pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
 pub use manifest::{
     AssignedAxis, Certainty, Controller, ControllerTarget, Level, Manifest, NAMES, TemplateLimit, TemplateWatch,
-    axis_letters, by_number, is_plain_name,
+    axis_letters, by_number, is_plain_name, unknown_target,
 };
 pub use read::{IndexFile, ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;

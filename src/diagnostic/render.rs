@@ -37,6 +37,9 @@ const MAX_SHOWN: usize = 50;
 /// Columns in front of a message: `refused[E0604]: `; in front of help are fewer.
 const TAKEN: usize = 16;
 
+/// Longest label beside its excerpt.
+const MAX_LABEL: usize = 32;
+
 /// One line for the end of the run: `2 mistakes, 1 warning`; empty if there are none.
 pub fn summary(diagnostics: &Diagnostics) -> String {
     let warnings = diagnostics.warnings();
@@ -63,12 +66,20 @@ fn group<'a>(diagnostics: &'a Diagnostics, diagnostic: &'a Diagnostic, folded: b
     let title = level(diagnostic.severity).primary_title(text(&diagnostic.message)).id(diagnostic.code.id);
     let mut group = Group::with_title(title);
     for (source, labels) in by_source(&diagnostic.labels) {
-        group = group.element(snippet(diagnostics, source, &labels));
+        group = group.element(snippet(diagnostics, source, &labels, folded));
+    }
+    for label in diagnostic.labels.iter().filter(|label| folded && is_long(label)) {
+        group = group.element(Level::NOTE.message(text(&label.text)));
     }
     match &diagnostic.help {
         Some(help) => group.element(Level::HELP.message(text(help))),
         None => group,
     }
+}
+
+/// True for a label that stands in lines of its own where text is folded: beside its excerpt it would be too wide.
+fn is_long(label: &Label) -> bool {
+    label.text.chars().count() > MAX_LABEL
 }
 
 /// Labels together by file, in the order of the files' first labels; the very first is the primary one.
@@ -88,6 +99,7 @@ fn snippet<'a>(
     diagnostics: &'a Diagnostics,
     source: super::SourceId,
     labels: &[(bool, &'a Label)],
+    folded: bool,
 ) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
     let text = diagnostics.sources.text(source);
     let ranges: Vec<Range<usize>> = labels.iter().map(|(_, l)| sound(text, &l.place.range)).collect();
@@ -98,7 +110,7 @@ fn snippet<'a>(
         let kind = if *primary { AnnotationKind::Primary } else { AnnotationKind::Context };
         let within = |at: usize| at.clamp(window.start, window.end) - window.start;
         let annotation = kind.span(within(range.start)..within(range.end));
-        if label.text.is_empty() { annotation } else { annotation.label(&label.text) }
+        if label.text.is_empty() || folded && is_long(label) { annotation } else { annotation.label(&label.text) }
     });
     Snippet::source(shown).line_start(line).path(diagnostics.sources.name(source)).annotations(annotations)
 }

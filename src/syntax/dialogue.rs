@@ -1,7 +1,12 @@
-//! A machine file from answers: the questions of `abbe init`, and the commented file that they make.
+//! A machine file from answers: the questions of `abbe init` and of the page, and the commented file that they make.
 
-use crate::units::significant;
+use crate::units::{number, significant};
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// The key of the question whose answer names files.
+pub const FILES: &str = "files";
 
 /// Height of the table above the lowest place of the tip, as a fraction of the travel of Z.
 const TABLE: f64 = 0.05;
@@ -12,17 +17,183 @@ const CRADLE: f64 = 0.075;
 /// Height of the pivot of a head above the gauge point, mm.
 const PIVOT_MM: f64 = 200.0;
 
+/// A question about a machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MachineQuestion {
+    /// Name of the answer.
+    pub key: String,
+    /// The question, with its unit.
+    pub asked: String,
+    /// The answer that is proposed; empty if none is.
+    pub default: String,
+    /// The form of an answer.
+    pub wanted: String,
+    /// The answers to choose from; empty for free text.
+    pub choices: Vec<AnswerChoice>,
+    /// True if the answer, or without one the proposal, is understood.
+    pub is_understood: bool,
+}
+
+/// An answer to choose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AnswerChoice {
+    /// The answer.
+    pub answer: String,
+    /// One line; empty if the answer says all.
+    pub title: String,
+    /// Lines of text; empty without a picture.
+    pub picture: &'static str,
+}
+
+/// The questions that answers lead to, and the file that they make.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MachineDialogue {
+    /// The questions, in the order in which they are asked.
+    pub questions: Vec<MachineQuestion>,
+    /// The machine file, if all answers and proposals are understood.
+    pub file: Option<String>,
+}
+
+/// Returns the questions that answers by key lead to; an empty answer is the proposal.
+pub(crate) fn dialogue(answers: &BTreeMap<String, String>, classes: &[&str]) -> MachineDialogue {
+    let mut asking = Asking { answers, classes, questions: Vec::new() };
+    let file = asking.machine().map(|answers| answers.machine_file());
+    MachineDialogue { questions: asking.questions, file }
+}
+
+/// Questions that are being asked.
+struct Asking<'a> {
+    answers: &'a BTreeMap<String, String>,
+    classes: &'a [&'a str],
+    questions: Vec<MachineQuestion>,
+}
+
+impl Asking<'_> {
+    /// Asks, and returns what is read from the answer.
+    fn ask<T>(
+        &mut self,
+        [key, asked, default, wanted]: [&str; 4],
+        choices: Vec<AnswerChoice>,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Option<T> {
+        let answer = self.answers.get(key).map(|answer| answer.trim()).filter(|answer| !answer.is_empty());
+        let found = read(answer.unwrap_or(default));
+        let [key, asked, default, wanted] = [key, asked, default, wanted].map(str::to_owned);
+        self.questions.push(MachineQuestion { key, asked, default, wanted, choices, is_understood: found.is_some() });
+        found
+    }
+
+    fn machine(&mut self) -> Option<MachineAnswers> {
+        let of = |(kind, number): (&MachineChoice, usize)| AnswerChoice {
+            answer: number.to_string(),
+            title: format!("{}: {}", kind.title, kind.chain),
+            picture: kind.picture,
+        };
+        let kinds = MACHINE_CHOICES.iter().zip(1..).map(of).collect();
+        let wanted = format!("a number from 1 to {}", MACHINE_CHOICES.len());
+        let named = |answer: &str| MACHINE_CHOICES.get(answer.parse::<usize>().ok()?.checked_sub(1)?).copied();
+        let choice = self.ask(["kind", "Which kind", "4", &wanted], kinds, named)?;
+        let travels: Vec<_> = choice.axes.iter().map(|(axis, usual)| self.travel(axis, *usual)).collect();
+        let length =
+            ["tool", "Tool: from the nose of the spindle to the tip, mm", "120", "a length in mm, such as 120"];
+        let tool_length_mm = self.ask(length, Vec::new(), |answer| within(answer, 1e4));
+        let errors = self.errors(choice);
+        Some(MachineAnswers {
+            choice,
+            travels: travels.into_iter().collect::<Option<_>>()?,
+            tool_length_mm: tool_length_mm?,
+            errors: errors?,
+        })
+    }
+
+    fn travel(&mut self, axis: &str, usual: Option<[f64; 2]>) -> Option<Option<[f64; 2]>> {
+        let default = usual.map_or("continuous".to_owned(), |[from, to]| format!("{from} {to}"));
+        let is_rotary = "ABC".contains(axis);
+        let unit = if is_rotary { "deg, two ends or `continuous`" } else { "mm, two ends" };
+        let asked = format!("Travel of {axis}, {unit}");
+        let wanted = "two numbers, the lower end first, such as `0 500`";
+        self.ask([&format!("travel {axis}"), &asked, &default, wanted], Vec::new(), |answer| travel(answer, is_rotary))
+    }
+
+    fn errors(&mut self, choice: MachineChoice) -> Option<KnownErrors> {
+        let known = [
+            "nothing yet: bounds typical of a class of machines",
+            "a data sheet: accuracy of the axes",
+            "measured tables, as CSV files",
+            "nothing: invented values, to try the program",
+        ];
+        let of = |(title, number): (&str, usize)| AnswerChoice {
+            answer: number.to_string(),
+            title: title.to_owned(),
+            picture: "",
+        };
+        let known = known.into_iter().zip(1..).map(of).collect();
+        let asked = ["known", "What is known of its errors", "1", "a number from 1 to 4"];
+        let number = |answer: &str| answer.parse::<usize>().ok().filter(|number| (1..=4).contains(number));
+        match self.ask(asked, known, number)? {
+            1 => self.class().map(KnownErrors::Class),
+            2 => {
+                let figures: Vec<_> = choice.axes.iter().map(|(axis, _)| self.accuracy(axis)).collect();
+                let (class, figures) = (self.class()?, figures.into_iter().collect::<Option<Vec<_>>>()?);
+                Some(KnownErrors::DataSheet(figures.into_iter().flatten().collect(), class))
+            }
+            3 => {
+                let asked = [FILES, "Files, with blanks between", "", "names of files that are there"];
+                let names = |answer: &str| answer.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+                let names = self.ask(asked, Vec::new(), |answer| Some(names(answer)).filter(|names| !names.is_empty()));
+                names.map(KnownErrors::Measured)
+            }
+            _ => Some(KnownErrors::Example),
+        }
+    }
+
+    fn class(&mut self) -> Option<String> {
+        let classes = self.classes;
+        let of = |name: &&str| AnswerChoice { answer: (*name).to_owned(), title: String::new(), picture: "" };
+        let known = |answer: &str| classes.contains(&answer).then(|| answer.to_owned());
+        let asked = ["class", "Class", "production", "one of these classes"];
+        self.ask(asked, classes.iter().map(of).collect(), known)
+    }
+
+    /// Returns the accuracy of an axis by name, if the sheet has one.
+    fn accuracy(&mut self, axis: &str) -> Option<Option<(String, String)>> {
+        let unit = if "ABC".contains(axis) { "arcsec" } else { "um" };
+        let asked = format!("Accuracy A (ISO 230-2) of {axis}, {unit}; 0 if the sheet has none");
+        let wanted = format!("the whole band, in {unit}, such as 8");
+        let question = [&format!("accuracy {axis}"), &asked, "0", &wanted];
+        let band = self.ask(question, Vec::new(), |answer| within(answer, 1e5))?;
+        Some((band > 0.0).then(|| (axis.to_owned(), format!("{band} {unit}"))))
+    }
+}
+
+/// Reads a number from 0 to a maximum.
+fn within(answer: &str, max: f64) -> Option<f64> {
+    number(answer).ok().filter(|value| (0.0..=max).contains(value))
+}
+
+/// Reads the ends of a travel, the lower one first, or none for an axis without end.
+fn travel(answer: &str, may_be_endless: bool) -> Option<Option<[f64; 2]>> {
+    if may_be_endless && answer == "continuous" {
+        return Some(None);
+    }
+    let separates = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '[' | ']');
+    let words = answer.split(separates).filter(|word| !word.is_empty());
+    let ends = words.map(|word| number(word).ok()).collect::<Option<Vec<f64>>>()?;
+    let is_travel = |ends: &[f64; 2]| ends[0] < ends[1] && ends.iter().all(|end| end.abs() <= 1e5);
+    <[f64; 2]>::try_from(ends).ok().filter(is_travel).map(Some)
+}
+
 /// A kind of machine that the dialogue offers.
 #[derive(Debug, Clone, Copy)]
-pub struct MachineChoice {
+struct MachineChoice {
     /// One line.
-    pub title: &'static str,
+    title: &'static str,
     /// The walk from the workpiece to the tool.
-    pub chain: &'static str,
+    chain: &'static str,
     /// Three lines of text.
-    pub picture: &'static str,
+    picture: &'static str,
     /// Axes with their usual travel, mm and deg; none for an axis without end.
-    pub axes: &'static [(&'static str, Option<[f64; 2]>)],
+    axes: &'static [(&'static str, Option<[f64; 2]>)],
 }
 
 const LINEAR: [(&str, Option<[f64; 2]>); 3] =
@@ -30,7 +201,7 @@ const LINEAR: [(&str, Option<[f64; 2]>); 3] =
 const TILT: Option<[f64; 2]> = Some([-120.0, 30.0]);
 
 /// The kinds of machines that the dialogue offers.
-pub const MACHINE_CHOICES: [MachineChoice; 6] = [
+const MACHINE_CHOICES: [MachineChoice; 6] = [
     MachineChoice {
         title: "Three axes, a table that moves in X and Y",
         chain: "w X' Y' b Z t",
@@ -71,7 +242,7 @@ pub const MACHINE_CHOICES: [MachineChoice; 6] = [
 
 /// Knowledge of the errors of a machine.
 #[derive(Debug, Clone)]
-pub enum KnownErrors {
+enum KnownErrors {
     /// Nothing: bounds typical of a class of machines.
     Class(String),
     /// Accuracy A of ISO 230-2 of axes by name, with its unit, and a class for the rest.
@@ -84,15 +255,15 @@ pub enum KnownErrors {
 
 /// Answers to the questions.
 #[derive(Debug, Clone)]
-pub struct MachineAnswers {
+struct MachineAnswers {
     /// The kind.
-    pub choice: MachineChoice,
+    choice: MachineChoice,
     /// Ends of the travel of each axis of the kind, mm and deg; none for an axis without end.
-    pub travels: Vec<Option<[f64; 2]>>,
+    travels: Vec<Option<[f64; 2]>>,
     /// Distance of the tip from the gauge point, mm.
-    pub tool_length_mm: f64,
+    tool_length_mm: f64,
     /// Errors.
-    pub errors: KnownErrors,
+    errors: KnownErrors,
 }
 
 impl MachineAnswers {
@@ -120,7 +291,7 @@ impl MachineAnswers {
     }
 
     /// Returns the machine file.
-    pub fn machine_file(&self) -> String {
+    fn machine_file(&self) -> String {
         let point = |at: [f64; 3]| format!("[{}]", at.map(|x| significant(x, 6)).join(", "));
         let [workpiece, a, b, c] = self.places_mm();
         let mut text = format!(

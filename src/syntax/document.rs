@@ -412,10 +412,16 @@ impl SectionReader<'_> {
             Some(Value::Mapping(map)) => {
                 map.into_iter().map(|(name, value)| self.parse_named(&at, name, value)).collect()
             }
-            Some(_) => {
+            Some(other) => {
                 self.places.mar(&at);
-                let refusal = Diagnostic::new(codes::E0202, format!("`{key}` must be a mapping of names to entries"));
-                let help = format!("write `{key}:` and below it one indented `NAME: ...` a line");
+                let (is, help) = match other.is_sequence() {
+                    true => {
+                        (" is a list: it", "omit the `-` in front of each name, or the `[ ]` around them".to_owned())
+                    }
+                    false => ("", format!("write `{key}:` and below it one indented `NAME: ...` a line")),
+                };
+                let message = format!("`{key}`{is} must be a mapping of names to entries");
+                let refusal = Diagnostic::new(codes::E0202, message);
                 self.diagnostics.push(refusal.at(self.places.value(&at), "").help(help));
                 Entries::new()
             }

@@ -19,21 +19,11 @@ pub fn fold_beside(text: &str, taken: usize) -> String {
 
 fn lines(sentence: &str, columns: usize, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
-    let mut depth = 0_usize;
-    // What stands in brackets, such as a point, stays in one line.
-    let ends_word = |c: char| {
-        match c {
-            '(' => depth += 1,
-            ')' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        c == ' ' && depth == 0
-    };
-    let split = |whole| {
-        let longest = if str::chars(whole).count() > MAX_IN_BRACKETS { usize::MAX } else { 1 };
-        whole.splitn(longest, ' ')
-    };
-    for word in sentence.split(ends_word).flat_map(split) {
+    let parts = |whole| if str::chars(whole).count() > MAX_IN_BRACKETS { words(whole, false) } else { vec![whole] };
+    // A command that is longer than a line is broken like other text.
+    let room = columns.saturating_sub(indent.len());
+    let pieces = |word| str::splitn(word, if str::chars(word).count() > room { usize::MAX } else { 1 }, ' ');
+    for word in words(sentence, true).into_iter().flat_map(parts).flat_map(pieces) {
         let is_full =
             |line: &String| !line.trim().is_empty() && line.chars().count() + 1 + word.chars().count() > columns;
         if lines.last().is_some_and(is_full) {
@@ -42,6 +32,21 @@ fn lines(sentence: &str, columns: usize, indent: &str) -> Vec<String> {
         lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
     }
     lines.iter().map(|line| line.trim_end().to_owned()).collect()
+}
+
+/// Splits at blanks, but within backticks, where commands stand, and within brackets, such as those of a point.
+fn words(text: &str, keeps_brackets: bool) -> Vec<&str> {
+    let (mut depth, mut in_code) = (0_usize, false);
+    let ends_word = |c: char| {
+        match c {
+            '`' => in_code = !in_code,
+            '(' if keeps_brackets => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        c == ' ' && depth == 0 && !in_code
+    };
+    text.split(ends_word).collect()
 }
 
 #[cfg(test)]
@@ -54,6 +59,19 @@ mod tests {
         let lines: Vec<String> = fold(words).lines().map(str::to_owned).collect();
         assert_eq!(lines[0], "Over a job of 361 tool poses, 361 reached, one path; reference: zero at");
         assert_eq!(lines[1], "  (0, 0, 0) along (0, 0, 1)");
+    }
+
+    #[test]
+    fn a_command_is_not_broken() {
+        let command = "`abbe compile mill.yaml --target linuxcnc --out mill-parameters`";
+        let lines: Vec<String> = fold(&format!("Write the set, (once more), by {command}, then load it."))
+            .lines()
+            .map(str::to_owned)
+            .collect();
+        assert_eq!(lines, ["Write the set, (once more), by", &format!("  {command}, then"), "  load it."]);
+        let long = format!("`{}end`", "word ".repeat(20));
+        assert!(fold(&long).lines().all(|line| line.len() <= 80));
+        assert!(fold(&"a ` b ".repeat(21)).lines().all(|line| line.len() <= 80));
     }
 
     #[test]

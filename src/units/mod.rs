@@ -14,5 +14,5 @@ mod quantity;
 pub use fold::{fold, fold_beside};
 pub use interval::Interval;
 pub use parse::{Failure, header, number, quantity, unit};
-pub use print::{angle, by_uncertainty, counted, length, significant, with_interval, with_sigma, within};
+pub use print::{angle, by_uncertainty, counted, ends, length, significant, with_interval, with_sigma, within};
 pub use quantity::{Dimension, FARTHEST, Quantity};

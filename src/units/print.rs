@@ -33,18 +33,28 @@ pub fn counted(count: usize, word: &str) -> String {
 
 /// Returns a figure and the ends of its interval with the digits that the interval leaves certain: the last one stands
 /// for a tenth to a hundredth of its width, and none is beyond the fourth of the largest of the three.
+/// Ends that differ in the first six digits are printed so that they differ.
 ///
-/// An end that is not known is `-`.
+/// An end that is not known is `-`, and the interval is taken to be as wide at both sides of the value.
 pub fn by_uncertainty(value: f64, low: Option<f64>, high: Option<f64>) -> [String; 3] {
-    let ends = || [low, high].into_iter().flatten();
     let place = |x: f64| libm::floor(libm::log10(x.max(1e-12))) as i64;
-    let reach = ends().map(|end| (end - value).abs()).fold(0.0, f64::max);
-    let largest = ends().map(f64::abs).fold(value.abs(), f64::max);
-    let fine = if reach > 0.0 { 1 - place(2.0 * reach) } else { 12 };
-    let decimals = fine.min(3 - place(largest)).clamp(0, 12) as usize;
+    let ends = || [low, high].into_iter().flatten();
+    let width = low.zip(high).map_or_else(
+        || ends().map(|end| 2.0 * (end - value).abs()).fold(0.0, f64::max),
+        |(low, high)| (high - low).abs(),
+    );
+    let largest = place(ends().map(f64::abs).fold(value.abs(), f64::max));
+    let fine = if width > 0.0 { 1 - place(width) } else { 12 };
+    let decimals = fine.min((3 - largest).max((fine - 1).min(5 - largest))).clamp(0, 12) as usize;
     let text = |x: f64| without_sign_of_zero(format!("{x:.decimals$}"));
     let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), text);
     [text(value), end(low), end(high)]
+}
+
+/// Returns the two ends of an interval as [`by_uncertainty`] prints them.
+pub fn ends(low: f64, high: f64) -> [String; 2] {
+    let [_, low, high] = by_uncertainty(low, Some(low), Some(high));
+    [low, high]
 }
 
 /// Returns a figure with its interval, such as `128 (119..136)`, with the digits that it leaves certain.
@@ -84,6 +94,10 @@ mod tests {
         assert_eq!(within(-0.004, Some(-0.3), Some(0.4)), "0 (-0.30..0.40)");
         assert_eq!(within(12.345, Some(12.345), Some(12.345)), "12.35 (12.35..12.35)");
         assert_eq!(within(0.0, Some(0.0), Some(0.0)), "0 (0..0)");
+        assert_eq!(ends(0.1, 5.8), ["0.1", "5.8"]);
+        assert_eq!(ends(0.04, 61.2), ["0", "61"]);
+        assert_eq!(ends(1234.12, 1234.43), ["1234.1", "1234.4"]);
+        assert_eq!(ends(1234.5, 1234.500_000_1), ["1234.50", "1234.50"]);
         assert_eq!(with_sigma(12.3456, 0.432), ["12.35", "0.43"]);
         assert_eq!(with_sigma(-0.001, 0.6), ["0", "0.60"]);
         assert_eq!(with_sigma(1234.5, 150.0), ["1234", "150"]);

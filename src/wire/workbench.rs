@@ -12,8 +12,8 @@ use crate::api::sources::all_words;
 use crate::api::summary::error_numbers;
 use crate::api::{
     BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, PlacementOptions, ReachOptions,
-    SourcesOptions, budget, compare, eval, instrument, map_tables, place, reach, schema, show, sources, summary,
-    targets,
+    SourcesOptions, budget, compare, eval, instrument, machine_dialogue, map_tables, place, reach, schema, show,
+    sources, summary, targets,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::job_file::{JobPaths, NO_JOB};
@@ -43,6 +43,9 @@ pub struct WorkbenchRequest {
     pub tool: Option<String>,
     /// The part that maps, sources, budgets, reach and comparisons are over; the volume without one.
     pub over: Option<PartScope>,
+    /// Answers to the questions that make a machine file. The one answer is then what they lead to, and no machine is
+    /// read.
+    pub dialogue: Option<BTreeMap<String, String>>,
     /// The questions, in the order in which they are answered.
     pub questions: Vec<Question>,
 }
@@ -278,6 +281,9 @@ fn refusal(diagnostics: &Diagnostics) -> Value {
 }
 
 fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
+    if let Some(answers) = &request.dialogue {
+        return json!({"diagnostics": [], "answers": [machine_dialogue(answers)]});
+    }
     let text = request.texts.iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text.as_str()));
     let files = Overlay { text, files: run.files };
     let run = Run { files: &files, ..run };
@@ -639,6 +645,27 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let number = |error: &str| numbers[error]["value"].as_f64().unwrap();
         assert!((number("EC0Y") - 20.0).abs() < 1e-9 && (number("EB0Z") - 5.0).abs() < 1e-9, "{numbers}");
         assert_eq!(wrong["refused"], true);
+    }
+
+    #[test]
+    fn answers_make_a_file_without_a_machine() {
+        let ask = |answers: Value| {
+            let request = json!({"machine": "m.yaml", "texts": {"m.yaml": ":"}, "dialogue": answers});
+            workbench(&request.to_string(), Run::default())["answers"][0].clone()
+        };
+        let keys = |found: &Value| -> Vec<String> {
+            let questions = found["questions"].as_array().unwrap();
+            questions.iter().map(|of| of["key"].as_str().unwrap().to_owned()).collect()
+        };
+        let proposed = ask(json!({}));
+        assert_eq!(keys(&proposed)[..3], ["kind", "travel X", "travel Y"]);
+        assert!(proposed["file"].as_str().unwrap().contains("C' A'"), "{proposed}");
+        let wrong = ask(json!({"kind": "1", "travel X": "5 0", "known": "2", "accuracy Y": "8"}));
+        assert_eq!((&wrong["file"], &wrong["questions"][1]["is_understood"]), (&Value::Null, &json!(false)));
+        assert_eq!(keys(&wrong).last().unwrap(), "class");
+        assert_eq!(keys(&ask(json!({"kind": "7"}))), ["kind"]);
+        assert_eq!(ask(json!({"kind": "0"}))["questions"][0]["is_understood"], false);
+        assert_eq!(ask(json!({"known": "3"}))["file"], Value::Null);
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod meeting;
 mod packed;
 mod page;
 mod pictures;
+mod questions;
 mod reader;
 mod review;
 mod watch;
@@ -27,7 +28,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 47] = [
+const CHECKS: [checks::Check; 48] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -73,6 +74,7 @@ const CHECKS: [checks::Check; 47] = [
     ("the report below is read in the same units", reader::report_units),
     ("a first page has machine, verdict and answers, in letters of 8 pt", reader::paper),
     ("first screen and machine are downloaded as SVG, PNG and glTF", reader::slide),
+    ("questions make a machine file on the page, as on a terminal", questions::form),
     ("screenshots of the workbench", workbench::screenshots),
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),
 ];

@@ -25,7 +25,7 @@ while True:
 sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 ";
 
-fn typed(folder: &Folder, answers: &str) -> (i32, String) {
+pub fn typed(folder: &Folder, answers: &str) -> (i32, String) {
     let python = std::env::var("ABBE_PYTHON").unwrap_or("python3".to_owned());
     let program = [text(&folder.0), answers, env!("CARGO_BIN_EXE_abbe"), "init"];
     let done = Command::new(python).args(["-c", TERMINAL]).args(program).output().unwrap();

@@ -86,6 +86,7 @@ mod measurements;
 mod mechanisms;
 mod minimum_zone;
 mod mutations;
+mod newcomers;
 mod normals;
 mod options;
 mod oracle;

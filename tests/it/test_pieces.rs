@@ -383,3 +383,36 @@ fn tolerances_that_do_not_fit_are_refused_in_words() {
         assert!(exit == 1 && words.contains(code) && words.contains(said), "{features}: {complaint}");
     }
 }
+
+#[test]
+fn a_box_has_five_faces_with_the_tool_across_each() {
+    let folder = Folder::new("pieces-box");
+    let job = piece(&folder, "box", &["--piece-size", "100", "--height", "60", "--steps", "8"]);
+    let list = rows(&job.with_extension("csv"));
+    let faces = [("top", 2, 60.0), ("front", 1, -50.0), ("right", 0, 50.0), ("back", 1, 50.0), ("left", 0, -50.0)];
+    assert_eq!(list.len(), 45);
+    for (name, along, at) in faces {
+        let face: Vec<&Row> = list.iter().filter(|row| row.feature == name).collect();
+        let mut places: Vec<V3> = face.iter().map(|row| row.tip).collect();
+        places.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        places.dedup();
+        assert_eq!(places.len(), 9, "{name}");
+        for row in face {
+            let outward: V3 = std::array::from_fn(|k| if k == along { f64::signum(at) } else { 0.0 });
+            assert_eq!((row.tip[along], row.axis, row.normal), (at, outward, outward), "{name}");
+        }
+        for k in (0..3).filter(|k| *k != along) {
+            let middle = if k == 2 { [0.0, 30.0, 60.0] } else { [-50.0, 0.0, 50.0] };
+            assert!(places.iter().all(|tip| middle.contains(&tip[k])), "{name}");
+        }
+    }
+    let map = json(&["map", "trunnion.yaml", "--job", text(&job), "--quiet", "--format", "json"]);
+    assert_eq!((&map["over"]["kind"], &map["over"]["path"]), (&serde_json::json!("job"), &serde_json::json!(false)));
+    assert!(std::fs::read_to_string(&job).unwrap().contains("reference: { kind: zero, point: [0, 0, 60] }"));
+    assert_eq!(map["poses"].as_u64().unwrap() + map["unreached"]["count"].as_u64().unwrap_or(0), 45, "{map}");
+    // The height is that of a cube if nobody states it; a few more poses make the rows equal.
+    let cube = rows(&piece(&folder, "box", &["--steps", "10"]).with_extension("csv"));
+    assert_eq!(cube.len(), 5 * 16);
+    assert_eq!(cube.iter().map(|row| row.tip[2]).fold(0.0, f64::max), 160.0);
+    assert!(refused(&["testpiece", "box", "--tilt", "3", "--out", text(&folder.file("t"))]).1.contains("the tilt"));
+}

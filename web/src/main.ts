@@ -7,6 +7,7 @@ import type { Schema } from "./editor/complete";
 import { inWords, range as placeRange, show as showMarks } from "./editor/diagnostics";
 import { Editor } from "./editor/editor";
 import { numbers } from "./editor/numbers";
+import { showQuestions } from "./editor/questions";
 import { WhatIf } from "./editor/whatif";
 import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
@@ -193,7 +194,7 @@ class Workbench {
     byId("actions").append(
       this.units.select,
       ...this.choice(),
-      ...(store.isReadOnly ? [] : [this.undo, this.redo, this.keep]),
+      ...(store.isReadOnly ? [] : [this.begin(), this.undo, this.redo, this.keep]),
     );
     if (store.isReadOnly) document.body.dataset["readOnly"] = "yes";
     if (store instanceof Report) this.report(store);
@@ -497,6 +498,14 @@ class Workbench {
     };
     const title = (as: string) => ({ title: `Download machine, verdict and answers as ${as}` });
     return [button("SVG", () => download.svg("review", picture().svg), title("SVG")), button("PNG", png, title("PNG"))];
+  }
+
+  /** The button that begins a machine by questions. */
+  private begin(): HTMLElement {
+    const take = (file: string) => this.editor.change(difference(this.editor.text, file));
+    const failed = (failure: unknown) => this.problems.say("questions", `${capital(said(failure))}.`);
+    const ask = () => showQuestions((answers) => this.session.dialogue(answers), take, failed);
+    return button("New…", ask, { id: "new-machine", title: "A machine file by questions" });
   }
 
   /** The choice among several machine files. */

@@ -1,5 +1,6 @@
 /** What the page knows of the machine: answers to its text as it is now and as it was kept last. */
 
+import type { Answers, MachineDialogue } from "./editor/questions";
 import { Newest } from "./evaluator/newest";
 import {
   accepted,
@@ -172,6 +173,12 @@ export class Session {
   async ask(questions: Question[], more: Record<string, string> = {}, text = this.text): Promise<unknown[]> {
     const request = this.request(text, questions);
     return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } })).answers;
+  }
+
+  /** The questions that answers lead to, whatever the text is. */
+  async dialogue(dialogue: Answers): Promise<MachineDialogue> {
+    const request = { machine: this.machine, texts: {}, dialogue, questions: [] };
+    return (await this.evaluator.ask(request)).answers[0] as MachineDialogue;
   }
 
   /** Why no machine can be read from a text; empty for one from which it can, or where nobody answers. */

@@ -2,7 +2,7 @@
 
 use super::view::table;
 use abbe::results::{Bands, SummaryBand};
-use abbe::text::{by_uncertainty, counted, significant};
+use abbe::text::{counted, ends, significant};
 use std::collections::BTreeMap;
 
 /// A table of intervals, a row for positions and one for rotations of each name.
@@ -12,7 +12,7 @@ pub(crate) fn text(of: &[(String, &Bands)]) -> String {
     for (name, bands) in of {
         let row = |name: &str, what: &str, s: &SummaryBand| -> Vec<String> {
             let ends = [s.max, s.mean, s.rms, s.p95].map(|[low, high]| {
-                let [_, low, high] = by_uncertainty(low, Some(low), Some(high));
+                let [low, high] = ends(low, high);
                 format!("{low} to {high}")
             });
             [name.to_owned(), what.to_owned()].into_iter().chain(ends).collect()

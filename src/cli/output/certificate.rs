@@ -9,7 +9,7 @@ use abbe::results::{
     Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
     ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
 };
-use abbe::text::{by_uncertainty, counted, micro, significant};
+use abbe::text::{counted, ends, micro, significant};
 use std::path::Path;
 
 /// A certificate with the folder of its files.
@@ -350,9 +350,10 @@ const MAX_FACTOR: f64 = 1000.0;
 fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>, over: &str) -> String {
     let (before, after) = (before.p95, after.p95);
     let [from, to] = [before, after].map(|um| significant(um, 4));
-    let falls = format!("For the errors in the file the 95 % position deviation falls from {from} um");
-    let left = left.map_or_else(String::new, |ends| {
-        let [_, low, high] = by_uncertainty(after, Some(ends[0]), Some(ends[1]));
+    let deviation = "For the errors in the file the 95 % position deviation";
+    let falls = format!("{deviation} falls from {from} um");
+    let left = left.map_or_else(String::new, |[low, high]| {
+        let [low, high] = ends(low, high);
         format!("; within their uncertainty {low} to {high} um are left")
     });
     if before < ROUNDING_UM {
@@ -361,6 +362,8 @@ fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>, over: &str) 
         format!("{falls} to below a nanometre, {over}{left}.\n")
     } else if before > MAX_FACTOR * after {
         format!("{falls} to {to} um, by a factor of more than {MAX_FACTOR}, {over}{left}.\n")
+    } else if from == to {
+        format!("{deviation} stays at {from} um, {over}{left}.\n")
     } else if after <= before {
         format!("{falls} to {to} um, by a factor of {}, {over}{left}.\n", significant(before / after, 3))
     } else {

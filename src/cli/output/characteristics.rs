@@ -2,7 +2,7 @@
 
 use super::view::table;
 use abbe::results::{CharacteristicResult, DrawnCharacteristic};
-use abbe::text::{by_uncertainty, shown, significant, within};
+use abbe::text::{ends, shown, significant, within};
 
 /// The table of the characteristics by values or by machines drawn, and the errors that make them; empty without.
 pub(crate) fn text(list: &[CharacteristicResult]) -> String {
@@ -74,7 +74,7 @@ fn errors(of: &CharacteristicResult) -> String {
     }
     let list = of.errors.iter().map(|part| format!("{} {:.0} %", part.error, 100.0 * part.share));
     let interval = of.interval_um.map_or(String::new(), |[low, high]| {
-        let [_, low, high] = by_uncertainty(low, Some(low), Some(high));
+        let [low, high] = ends(low, high);
         format!(" ({low}..{high})")
     });
     format!("  {} {}{interval}: {}\n", shown(&of.feature), kind(of), list.collect::<Vec<_>>().join(", "))

@@ -4,11 +4,10 @@ use crate::cli::output::session::Session;
 use crate::cli::store::limited::standard_output;
 use crate::cli::store::write::write_new;
 use crate::cli::{Exit, Outcome};
-use abbe::dialogue::{KnownErrors, MACHINE_CHOICES, MachineAnswers};
-use abbe::text::number;
-use abbe::{CLASS_NAMES, NAMED_MACHINES, VARIANTS, machines_text, named_machine, targets};
+use abbe::dialogue::{AnswerChoice, FILES, MachineDialogue, MachineQuestion};
+use abbe::{CLASS_NAMES, NAMED_MACHINES, VARIANTS, machine_dialogue, machines_text, named_machine, targets};
 use serde_json::json;
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::Path;
 
@@ -56,106 +55,69 @@ fn write(session: &mut Session, file: &Path, text: &str) -> Outcome {
 
 /// Asks, and writes the file that the answers make.
 fn ask(session: &mut Session) -> Outcome {
-    let made = questions();
-    let Some((file, answers)) = made else {
+    let Some((file, text)) = answered() else {
         let _ = writeln!(std::io::stderr().lock(), "abbe: the input ended; nothing is written");
         return Err(Exit::Refused);
     };
-    write(session, Path::new(&file), &answers.machine_file())
+    write(session, Path::new(&file), &text)
 }
 
-/// Asks all questions; none if the input ends.
-fn questions() -> Option<(String, MachineAnswers)> {
+/// Asks all questions, and returns the name of the file and its text; none if the input ends.
+fn answered() -> Option<(String, String)> {
     say("A machine file by questions. Enter takes what stands in [ ].\nNothing is written before the last answer.\n");
-    for (choice, number) in MACHINE_CHOICES.iter().zip(1..) {
-        say(&format!("\n  {number}  {}: {}\n{}\n", choice.title, choice.chain, choice.picture));
-    }
-    let count = MACHINE_CHOICES.len();
-    let kind = question("\nWhich kind", "4", &format!("a number from 1 to {count}"), |answer| one_of(answer, count))?;
-    let choice = MACHINE_CHOICES[kind - 1];
-    let mut travels = Vec::new();
-    for (axis, usual) in choice.axes {
-        let default = usual.map_or("continuous".to_owned(), |[from, to]| format!("{from} {to}"));
-        let is_rotary = "ABC".contains(axis);
-        let unit = if is_rotary { "deg, two ends or `continuous`" } else { "mm, two ends" };
-        let wanted = "two numbers, the lower end first, such as `0 500`";
-        let asked = format!("Travel of {axis}, {unit}");
-        travels.push(question(&asked, &default, wanted, |answer| travel(answer, is_rotary))?);
-    }
-    let length = |answer: &str| number(answer).ok().filter(|length| (0.0..=1e4).contains(length));
-    let tool_length_mm =
-        question("Tool: from the nose of the spindle to the tip, mm", "120", "a length in mm, such as 120", length)?;
-    say("\nWhat is known of its errors\n  1  nothing yet: bounds typical of a class of machines\n  2  a data sheet: \
-         accuracy of the axes\n  3  measured tables, as CSV files\n  \
-         4  nothing: invented values, to try the program\n");
-    let errors = match question("Which", "1", "a number from 1 to 4", |answer| one_of(answer, 4))? {
-        1 => KnownErrors::Class(class()?),
-        2 => KnownErrors::DataSheet(data_sheet(choice.axes.iter().map(|(axis, _)| *axis))?, class()?),
-        3 => KnownErrors::Measured(question("Files, with blanks between", "", "names of files that are there", files)?),
-        _ => KnownErrors::Example,
+    let mut answers = BTreeMap::new();
+    let text = loop {
+        let MachineDialogue { questions, file } = machine_dialogue(&answers);
+        let Some(question) = questions.into_iter().find(|of| !answers.contains_key(&of.key)) else { break file? };
+        let MachineQuestion { key, asked, default, wanted, choices, .. } = question;
+        let is_understood = |answer: &str| {
+            let mut answers = answers.clone();
+            answers.insert(key.clone(), answer.to_owned());
+            machine_dialogue(&answers).questions.iter().any(|of| of.key == key && of.is_understood)
+                && (key != FILES || answer.split_whitespace().all(|name| Path::new(name).is_file()))
+        };
+        let names = list_choices(&choices);
+        let answer = question_line(&format!("{asked}{names}"), &default, &wanted, is_understood)?;
+        answers.insert(key, answer);
     };
-    let free = |answer: &str| (!Path::new(answer).exists()).then(|| answer.to_owned());
-    let file = question("\nName of the file", "machine.yaml", "another name: this file is there already", free)?;
-    Some((file, MachineAnswers { choice, travels, tool_length_mm, errors }))
+    let free = |answer: &str| !Path::new(answer).exists();
+    let file = question_line("\nName of the file", "machine.yaml", "another name: this file is there already", free)?;
+    Some((file, text))
 }
 
-fn class() -> Option<String> {
-    let asked = format!("Class ({})", CLASS_NAMES.join(", "));
-    let known = |answer: &str| CLASS_NAMES.contains(&answer).then(|| answer.to_owned());
-    question(&asked, "production", "one of these classes", known)
-}
-
-/// Accuracy of each axis of the sheet that has one.
-fn data_sheet<'a>(axes: impl Iterator<Item = &'a str>) -> Option<Vec<(String, String)>> {
-    let mut figures = Vec::new();
-    for axis in axes {
-        let unit = if "ABC".contains(axis) { "arcsec" } else { "um" };
-        let asked = format!("Accuracy A (ISO 230-2) of {axis}, {unit}; 0 if the sheet has none");
-        let band = |answer: &str| number(answer).ok().filter(|value| (0.0..=1e5).contains(value));
-        let value = question(&asked, "0", &format!("the whole band, in {unit}, such as 8"), band)?;
-        if value > 0.0 {
-            figures.push((axis.to_owned(), format!("{value} {unit}")));
+/// Prints choices that need more than a word, and returns the others in brackets.
+fn list_choices(choices: &[AnswerChoice]) -> String {
+    for AnswerChoice { answer, title, picture } in choices.iter().filter(|choice| !choice.title.is_empty()) {
+        let picture = if picture.is_empty() { String::new() } else { format!("\n{picture}") };
+        say(&format!("\n  {answer}  {title}{picture}"));
+    }
+    match choices.first() {
+        Some(first) if first.title.is_empty() => {
+            format!(" ({})", choices.iter().map(|choice| choice.answer.as_str()).collect::<Vec<_>>().join(", "))
         }
+        Some(_) => {
+            say("\n\n");
+            String::new()
+        }
+        None => String::new(),
     }
-    Some(figures)
-}
-
-fn files(answer: &str) -> Option<Vec<String>> {
-    let names: Vec<String> = answer.split_whitespace().map(str::to_owned).collect();
-    (!names.is_empty() && names.iter().all(|name| Path::new(name).is_file())).then_some(names)
-}
-
-fn one_of(answer: &str, count: usize) -> Option<usize> {
-    answer.parse().ok().filter(|number| (1..=count).contains(number))
-}
-
-/// Ends of a travel, the lower one first, or none for an axis without end.
-fn travel(answer: &str, may_be_endless: bool) -> Option<Option<[f64; 2]>> {
-    if may_be_endless && answer == "continuous" {
-        return Some(None);
-    }
-    let separates = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '[' | ']');
-    let ends: Vec<f64> = answer.split(separates).filter_map(|word| number(word).ok()).collect();
-    let is_travel = |ends: &[f64; 2]| ends[0] < ends[1] && ends.iter().all(|end| end.abs() <= 1e5);
-    <[f64; 2]>::try_from(ends).ok().filter(is_travel).map(Some)
 }
 
 /// Asks until an answer is understood; none if the input ends.
-fn question<T>(asked: &str, default: &str, wanted: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
+fn question_line(asked: &str, default: &str, wanted: &str, reads: impl Fn(&str) -> bool) -> Option<String> {
     loop {
-        let mut prompt = asked.to_owned();
-        let _ = if default.is_empty() { write!(prompt, ": ") } else { write!(prompt, " [{default}]: ") };
-        say(&prompt);
+        let proposal = if default.is_empty() { String::new() } else { format!(" [{default}]") };
+        say(&format!("{asked}{proposal}: "));
         let mut line = String::new();
         if std::io::stdin().lock().read_line(&mut line).unwrap_or(0) == 0 {
             say("\n");
             return None;
         }
-        let answer = line.trim();
-        match read(if answer.is_empty() { default } else { answer }) {
-            Some(found) => return Some(found),
-            None => say(&format!("  Wanted: {wanted}.\n")),
+        let answer = Some(line.trim()).filter(|answer| !answer.is_empty()).unwrap_or(default);
+        if reads(answer) {
+            return Some(answer.to_owned());
         }
+        say(&format!("  Wanted: {wanted}.\n"));
     }
 }
 

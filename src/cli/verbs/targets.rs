@@ -3,8 +3,7 @@
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use abbe::results::TargetSummary;
-use abbe::text::{did_you_mean, shown};
-use abbe::{Diagnostic, codes, targets};
+use abbe::{target, targets};
 use serde_json::json;
 
 #[derive(Debug, clap::Args)]
@@ -14,15 +13,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let mut targets = targets();
-    if let Some(name) = &args.name {
-        let known: Vec<&str> = targets.iter().map(|target| target.target.as_str()).collect();
-        if !known.contains(&name.as_str()) {
-            let message = format!("there is no target `{}`", shown(name));
-            return session.refuse(Diagnostic::new(codes::E0701, message).help(did_you_mean(name, &known)));
-        }
-        targets.retain(|target| target.target == *name);
-    }
+    let targets = match &args.name {
+        Some(name) => vec![target(name).or_else(|refusal| session.refuse(refusal))?],
+        None => targets(),
+    };
     let text = || match &args.name {
         Some(_) => targets.iter().map(TargetSummary::text).collect(),
         None => list(&targets),

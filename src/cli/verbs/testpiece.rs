@@ -16,12 +16,12 @@ pub(crate) struct Args {
     /// The kind of piece.
     #[arg(value_enum)]
     kind: TestPieceKind,
-    /// Side of a square (or of that about a diamond), diameter of a circle or of a cone's base, length of an S, mm (0.1
-    /// to 100000) [default: 160, of a cone 80].
+    /// Side of a box or square (or of that about a diamond), diameter of a circle or of a cone's base, length of an S,
+    /// mm (0.1 to 100000) [default: 160, of a cone 80].
     #[arg(long, value_name = "MM", value_parser = size)]
     piece_size: Option<f64>,
-    /// Height of a contour, of the base of a cone or of an S above the part's origin, mm (0.1 to 100000) [default: 20,
-    /// of a cone 120, of an S 40].
+    /// Height of a contour, of a box, of the base of a cone or of an S above the part's origin, mm (0.1 to 100000)
+    /// [default: 20, of a cone 120, of an S 40, of a box its side].
     #[arg(long, value_name = "MM", value_parser = size)]
     height: Option<f64>,
     /// Half of the apex angle of a cone, deg (above 0) [default: 15].
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Motion of a rotary axis about Z on a cone, which chooses the tilt.
     #[arg(long, value_enum, value_name = "MOTION", conflicts_with = "tilt")]
     c_motion: Option<ConeMotion>,
-    /// Number of intervals of a circle, or of each side (8 to 100000).
+    /// Number of intervals of a circle or of each side, of tool poses on each face of a box (8 to 100000).
     #[arg(long, value_name = "N", default_value_t = 360, value_parser = counts(8..=100_000))]
     steps: usize,
     #[arg(long, short, value_name = "PATH", help = help::OUT,

@@ -1,7 +1,7 @@
 //! The sources of targets: the binary, then a folder of the user's.
 
 use super::Manifest;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
 use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -113,7 +113,7 @@ impl ControllerTarget {
             return Some(target);
         }
         let Some(folder) = folder.filter(|_| is_plain_name(name)) else {
-            diagnostics.push(unknown(name));
+            diagnostics.push(unknown_target(name));
             return None;
         };
         Self::from_folder(&folder.join(name), files, diagnostics)
@@ -226,12 +226,13 @@ pub(in crate::controller) fn path_fits(path: &str, name: &str) -> bool {
     is_plain_name(name) && rest.ends_with(last)
 }
 
-fn unknown(name: &str) -> Diagnostic {
-    let refusal = Diagnostic::new(codes::E0701, format!("there is no target `{name}`"));
+/// The refusal of a name that no target has.
+pub fn unknown_target(name: &str) -> Diagnostic {
+    let refusal = Diagnostic::new(codes::E0701, format!("there is no target `{}`", shown(name)));
     if name.contains('+') {
         return refusal.help("a set of two targets is meant: name both (`--target A+B`), or the subfolder of one");
     }
-    refusal.help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
+    refusal.help(format!("{} (a folder of your own: `compile --templates DIR`)", did_you_mean(name, &NAMES)))
 }
 
 #[cfg(test)]

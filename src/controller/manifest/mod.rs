@@ -17,4 +17,4 @@ pub use description::{
 pub use forms::{ArchiveForm, Edge, Index, JointOrder, KindSetting, LineSpec, TextFrame, UnitSetting};
 pub use letters::{AssignedAxis, axis_letters, by_number};
 pub(super) use library::path_fits;
-pub use library::{ControllerTarget, NAMES, TemplateLimit, TemplateWatch, is_plain_name};
+pub use library::{ControllerTarget, NAMES, TemplateLimit, TemplateWatch, is_plain_name, unknown_target};

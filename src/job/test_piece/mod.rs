@@ -3,6 +3,7 @@
 //! - `options`: kinds of pieces and their sizes;
 //! - `contour`: polygons and circles in layers, and the piece of NAS 979;
 //! - `cone`: a cone frustum whose axis is tilted;
+//! - `five_faces`: a box;
 //! - `s_shape`: a ruled surface whose lean changes sides;
 //! - `written`: the files of a job.
 //!
@@ -10,6 +11,7 @@
 
 mod cone;
 mod contour;
+mod five_faces;
 mod options;
 mod path;
 mod s_shape;
@@ -53,24 +55,19 @@ pub(crate) fn test_piece(options: &TestPieceOptions) -> Result<TestPiece, Diagno
         TestPieceKind::Nas979 => contour::nas_979(options),
         TestPieceKind::Cone => cone::cone(options),
         TestPieceKind::SShape => s_shape::s_shape(options),
+        TestPieceKind::Box => five_faces::five_faces(options),
     });
     let piece = piece.map_err(|wrong| {
         let help = "sizes are 0.1 to 100000 mm; `abbe testpiece --help` has the meaning of all options";
         Diagnostic::new(codes::E0818, wrong.to_string()).help(help)
     })?;
-    let Piece { features, c_motion, notes, .. } = &piece;
-    let mut names: Vec<String> = Vec::new();
-    for feature in features.iter().map(|feature| &feature.name) {
-        if !names.contains(feature) {
-            names.push(feature.clone());
-        }
-    }
+    let Piece { names, c_motion, notes, .. } = &piece;
     let name = options.kind.name();
     let steepest = piece.points.iter().map(|point| point.axis.z).fold(1.0, f64::min);
     Ok(TestPiece {
         kind: options.kind,
         poses: piece.points.len(),
-        features: names,
+        features: names.clone(),
         c_motion: *c_motion,
         largest_tilt_deg: libm::acos(steepest).to_degrees(),
         notes: notes.clone(),

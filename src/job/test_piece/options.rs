@@ -22,17 +22,20 @@ pub enum TestPieceKind {
     #[serde(rename = "nas-979")]
     #[cfg_attr(feature = "cli", value(name = "nas-979"))]
     Nas979,
+    /// A box with five faces, the tool across each: a work to begin with, of no standard.
+    Box,
 }
 
 impl TestPieceKind {
-    const ALL: [Self; 6] = [Self::Square, Self::Diamond, Self::Circle, Self::Cone, Self::SShape, Self::Nas979];
+    const ALL: [Self; 7] =
+        [Self::Square, Self::Diamond, Self::Circle, Self::Cone, Self::SShape, Self::Nas979, Self::Box];
 
     /// True for each of half an apex, a tilt and a motion of C that a piece of the kind has.
     fn angles(self) -> [bool; 3] {
         match self {
             Self::Cone => [true; 3],
             Self::Diamond | Self::SShape | Self::Nas979 => [false, true, false],
-            Self::Square | Self::Circle => [false; 3],
+            Self::Square | Self::Circle | Self::Box => [false; 3],
         }
     }
 
@@ -45,6 +48,7 @@ impl TestPieceKind {
             Self::Cone => "cone",
             Self::SShape => "s-shape",
             Self::Nas979 => "nas-979",
+            Self::Box => "box",
         }
     }
 }
@@ -68,11 +72,11 @@ pub enum ConeMotion {
 pub struct TestPieceOptions {
     /// The kind.
     pub kind: TestPieceKind,
-    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
-    /// 0.1 to 100000 mm; by default 160, of a cone 80.
+    /// Side of a square, also of that about a diamond, or of a box; diameter of a circle or of the base of a cone;
+    /// length of an S; 0.1 to 100000 mm; by default 160, of a cone 80.
     pub size_mm: Option<f64>,
-    /// Height of the contour, or of the centre of a cone's base, above the part's origin, 0.1 to 100000 mm; by default
-    /// 20, of a cone 120, of an S the height of its surface, 40.
+    /// Height of the contour, of a box, or of the centre of a cone's base above the part's origin, 0.1 to 100000 mm; by
+    /// default 20, of a cone 120, of an S the height of its surface, 40, of a box its side.
     pub height_mm: Option<f64>,
     /// Cone: half of its apex angle, above 0 and below 80 deg; by default 15.
     pub half_apex_deg: Option<f64>,
@@ -82,6 +86,7 @@ pub struct TestPieceOptions {
     /// Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
     pub c_motion: Option<ConeMotion>,
     /// Number of intervals of a circle, or of each side, 8 to 100000.
+    /// Of a box, number of tool poses on each face, in equal rows, so that there may be a few more.
     pub steps: usize,
 }
 

@@ -38,6 +38,10 @@ pub(super) struct Piece {
     /// Names of features.
     pub names: Vec<String>,
     pub points: Vec<PathPoint>,
+    /// True if the points are single poses, and no continuous path.
+    pub are_single: bool,
+    /// Point at which the part is zeroed, mm; its origin by default.
+    pub zero: Option<Vector3<f64>>,
     pub features: Vec<PieceTolerance>,
     pub c_motion: Option<ConeMotion>,
     pub notes: Vec<String>,

@@ -16,7 +16,13 @@ fn job(table: &str, piece: &Piece) -> String {
     let place = "# Where the part lies on the workpiece frame, mm and deg about X, Y, Z: state it.\n\
                  place: { origin: [0, 0, 0], rotation: [0, 0, 0] }";
     // Writing to a string cannot fail.
-    let _ = write!(text, "tool_poses: {table}\npath: true\n{place}\nreference: zero\nfeatures:\n");
+    let path = !piece.are_single;
+    let reference = match piece.zero {
+        Some(at) => format!("{{ kind: zero, point: [{}, {}, {}] }}", at.x, at.y, at.z),
+        None => "zero".to_owned(),
+    };
+    let _ = write!(text, "tool_poses: {table}\npath: {path}\n{place}\nreference: {reference}\n");
+    text.push_str(if piece.features.is_empty() { "" } else { "features:\n" });
     for (i, of) in piece.features.iter().enumerate() {
         if i == 0 || piece.features[i - 1].name != of.name {
             let _ = writeln!(text, "  {}:", of.name);

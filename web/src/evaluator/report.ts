@@ -109,6 +109,7 @@ export class Report implements Evaluator, Store {
 
   /** Answers that the page holds, `undefined` for others; none at all if the request is about another text. */
   private known(request: Request): unknown[] | null {
+    if (request.dialogue) return null;
     const machine = this.start.machines.find((of) => of.machine === request.machine);
     const own = Object.fromEntries(this.start.machines.map((of) => [of.machine, of.text]));
     const isOwn = Object.entries(request.texts).every(([name, text]) => (own[name] ?? this.start.files[name]) === text);

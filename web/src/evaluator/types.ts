@@ -67,6 +67,8 @@ export interface Request {
   tool?: string;
   /** The part that maps, sources, budgets, reach and comparisons are over; the volume without one. */
   over?: Part | StatedPart;
+  /** Answers to the questions that make a machine file: the one answer is what they lead to. */
+  dialogue?: Record<string, string>;
   questions: Question[];
 }
 

@@ -3,7 +3,7 @@
 import { button, byId, make } from "./dom";
 
 /** What a problem concerns: one of each stands at a time. */
-export type About = "chain" | "file" | "figures" | "picture" | "program" | "save" | "start" | "tool";
+export type About = "chain" | "file" | "figures" | "picture" | "program" | "questions" | "save" | "start" | "tool";
 
 interface Problem {
   words: string;

@@ -178,8 +178,8 @@ pub(super) fn check_plausible(samples: &[AxisSample], errors: &[ErrorId]) -> Res
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
-    let help = "correct the unit in the header; a column of the positions that were reached is called `actual [mm]`; \
-                mark a row that is not to be used in a column `exclude`";
+    let help = "correct the unit in the header; a column of the positions that were reached is called `actual [mm]`, \
+                those of runs `actual 1+ [mm]`; mark a row that is not to be used in a column `exclude`";
     refusal(message, Some(place.clone())).help(help)
 }
 
