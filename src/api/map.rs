@@ -11,7 +11,7 @@ use crate::analysis::{
 };
 use crate::controller::{ControllerEffect, ControllerTarget, Depth};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{CompiledField, Deviation, Field, Frame, Order, Poses, Tally, worst};
+use crate::evaluate::{CompiledField, Deviation, Field, Frame, OneDegree, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::characteristics::ValuedField;
 use crate::job::features::features;
@@ -112,14 +112,16 @@ fn volume(
     let machine: &Machine = file;
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
+        degree(call, options, true)?;
         parts.refuse_other()?;
         return map_bounds::volume(call, file, options, (drawn, tables));
     }
-    let order = order_of(machine, options.order);
+    let order = options.degree.map_or_else(|| order_of(machine, options.order), Order::Degree);
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
     let job = options.job().read(call, file)?;
+    let part = degree(call, options, job.is_some())?.map(|degree| OneDegree { machine, degree });
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;
     let compensation = compensation(call, machine, options, order)?;
@@ -128,11 +130,12 @@ fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let set_up = options.set_up(call, machine, &poses, job.as_ref())?;
-    let compiled = CompiledField::new(machine, order);
+    let whole = CompiledField::new(machine, order);
+    let unreferred: &dyn Field = part.as_ref().map_or(&whole as &dyn Field, |part| part);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
-    let [set_up_bare, set_up_replayed] = [Some(&compiled as &dyn Field), replayed.as_deref()]
+    let [set_up_bare, set_up_replayed] = [Some(unreferred), replayed.as_deref()]
         .map(|field| field.and_then(|field| set_up.field(field, order, view.conditions)));
-    let bare: &dyn Field = set_up_bare.as_ref().map_or(&compiled as &dyn Field, |field| field);
+    let bare: &dyn Field = set_up_bare.as_ref().map_or(unreferred, |field| field);
     let corrected = set_up_replayed.as_ref().map(|field| field as &dyn Field).or(replayed.as_deref());
     let field = corrected.unwrap_or(bare);
     let name = options.target.as_deref().unwrap_or_default();
@@ -155,7 +158,7 @@ fn volume(
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
     let (tolerances, samples, seed) = settings;
     let adding = AddingBounds { machine, tolerances, samples, seed, work: reached, reference: set_up.removed() };
-    let bounds_add = adding.added(call)?;
+    let bounds_add = if part.is_some() { None } else { adding.added(call)? };
     let characteristics = toleranced.map(|of| adding.characteristics(call, &of, valued)).transpose()?;
     // They are of the volume, not of a part.
     let diagonals = match &tool_poses {
@@ -166,14 +169,17 @@ fn volume(
     let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty =
-        field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
+    // What is uncertain is the error as a whole.
+    let bands =
+        || field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
+    let uncertainty = if part.is_some() { None } else { bands() };
     let target = options.target.clone();
     let limit = Job::limit(job.as_ref(), tolerances.statistic, tool_poses.as_ref());
     let band = uncertainty.as_ref().map(|of| &of.position_um);
     let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um, band)).transpose()?;
     let path = tool_poses.as_ref().map(|reached| path(call, field, reached, view)).transpose()?.flatten();
     Ok(MapResult {
+        degree: options.degree,
         limit,
         picture,
         path,
@@ -187,6 +193,18 @@ fn volume(
         p95_over_volume,
         ..result
     })
+}
+
+/// Returns the degree that is mapped alone; it is one of values, over the volume, of a bare machine as it is.
+fn degree(call: &mut Call<'_>, options: &MapOptions, is_other: bool) -> Result<Option<u8>, Refused> {
+    let is_other = is_other || options.order.is_some() || options.target.is_some() || options.reference.is_some();
+    if options.degree.is_some() && is_other {
+        return call.usage(
+            "`--degree` maps a part of the errors' values over the volume: not of bounds, and no --order, --target, \
+             --reference, --job, --tool-poses",
+        );
+    }
+    Ok(options.degree)
 }
 
 /// Returns the events of a path with the largest step of the deviation of a field.

@@ -38,6 +38,8 @@ pub struct MapOptions {
     pub path: Option<bool>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
+    /// Maps the part of this degree in the errors alone, 1 to 6, over a volume of a bare machine.
+    pub degree: Option<u8>,
     /// Motion that the part's set-up takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
     #[schemars(with = "Option<ReferenceOption>")]
@@ -68,6 +70,7 @@ impl Default for MapOptions {
             seed: 1,
             path: None,
             order: None,
+            degree: None,
             reference: None,
             approach: Approach::default(),
             frame: Frame::default(),
@@ -191,6 +194,9 @@ pub struct MapResult {
     pub machine: String,
     /// `exact`, or a degree.
     pub order: Order,
+    /// Degree in the errors, if the part of one degree alone is mapped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<u8>,
     /// Frame of the vectors.
     pub frame: Frame,
     /// Side of approach.
@@ -264,6 +270,7 @@ impl MapResult {
         Self {
             machine: rows.machine.name().to_owned(),
             order: rows.order,
+            degree: None,
             frame: rows.view.frame,
             direction: rows.view.conditions.approach,
             over,

@@ -92,6 +92,14 @@ pub fn unturned_deviation(machine: &Machine, at: &OperatingPoint<'_>, order: Ord
     expand_unturned(machine, at, order, false).sum.deviation
 }
 
+/// Returns the part of the deviation of one degree in the errors, 1 to 6, in the unturned workpiece frame.
+pub(super) fn unturned_part(machine: &Machine, at: &OperatingPoint<'_>, degree: u8) -> Deviation {
+    let terms = expand_unturned(machine, at, Order::Degree(degree), true).terms;
+    let own = terms.iter().filter(|term| term.monomial.degree() == usize::from(degree)).map(|term| term.deviation);
+    own.reduce(|a, b| Deviation { position: a.position + b.position, rotation: a.rotation + b.rotation })
+        .unwrap_or_else(|| Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() })
+}
+
 /// An evaluation with its terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expansion {

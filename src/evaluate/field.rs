@@ -2,7 +2,7 @@
 
 use super::compiled::batch::{Batch, Output};
 use super::compiled::model::CompiledModel;
-use super::deviation::{Order, command_deviation, unturned_deviation};
+use super::deviation::{Order, command_deviation, unturned_deviation, unturned_part};
 use super::terms::Deviation;
 use crate::lower::{NominalPose, Sensitivity, sensitivities};
 use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint};
@@ -94,6 +94,25 @@ impl Field for CompiledField {
 
     fn compiled_model(&self, conditions: OperatingConditions) -> Option<&CompiledModel> {
         Some(self.model(conditions))
+    }
+}
+
+/// The part of the deviation that is of one degree in the errors.
+#[derive(Debug, Clone, Copy)]
+pub struct OneDegree<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// 1 to 6.
+    pub degree: u8,
+}
+
+impl Field for OneDegree<'_> {
+    fn machine(&self) -> &Machine {
+        self.machine
+    }
+
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        unturned_part(self.machine, at, self.degree)
     }
 }
 

@@ -16,12 +16,14 @@ mod statistics;
 mod tally;
 mod terms;
 
+pub(crate) use compiled::lanes::run as run_kernel;
+pub(crate) use compiled::simd::{Kernel, Lanes};
 pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Output, PoseColumns, Width};
 pub use deviation::{
     Expansion, Frame, Order, UnknownOrder, command_deviation, evaluate, expand, expand_over, frame_rotation, response,
     rotation, unturned_deviation,
 };
-pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
+pub use field::{Bare, CompiledField, Field, OneDegree, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use spread::Spread;
 pub(crate) use spread::radical_inverse;

@@ -29,6 +29,9 @@ pub const MAX_NULL_SPACE_SHARE: f64 = 1e-3;
 /// Least scale of a column, as a share of the displacement that its parameter usually makes. Below: a column that holds
 /// only rounding is scaled to unit length and counts as rank.
 pub const MIN_COLUMN_SHARE: f64 = 1e-2;
+/// Uncertainty of a monomial's coefficient over that without the other monomials, up to which the data tell it from
+/// them: the root of a variance inflation factor of 100.
+pub const MAX_INFLATION: f64 = 10.0;
 /// Least coefficient of a monomial that is a column (mm, parameters in units of displacement): less is rounding.
 pub const MIN_MONOMIAL_MM: f64 = 1e-12;
 /// Part of the travel that the readings must span for a datum to be formed over the travel, else over what they span.

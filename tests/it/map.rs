@@ -192,3 +192,30 @@ fn what_cannot_be_done_is_refused_with_nothing_written() {
     assert_eq!(refused(&["map", "trunnion.yaml", "--random", "0"]).0, 2);
     assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1);
 }
+
+/// An arm that turns by 10 mrad too far: the tip moves by r (cos - 1, sin), of which each degree has one term.
+#[test]
+fn one_degree_of_an_arm_is_its_taylor_term() {
+    let folder = Folder::new("one-degree");
+    let machine = "abbe: 1\nmachine: Arm\nchain: \"w b C X t\"\naxes:\n  C: { travel: [-180 deg, 180 deg], origin: [0, 0, 0] }\n  X: { travel: [50 mm, 200 mm] }\nerrors: { ECC: 10 mrad }\n";
+    let machine = folder.with("arm.yaml", machine);
+    let csv = folder.file("arm.csv");
+    // Along the arm and across it, um.
+    for (degree, wanted) in [("1", [0.0, 1e-2]), ("2", [-5e-5, 0.0]), ("3", [0.0, -1e-6 / 6.0])] {
+        let arguments = ["map", text(&machine), "--quiet", "--random", "40", "--degree", degree, "--csv", text(&csv)];
+        let said = abbe(&arguments);
+        assert!(said.contains(&format!("degree {degree} in the errors alone")), "{said}");
+        for line in std::fs::read_to_string(&csv).unwrap().lines().skip(1) {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            let (sine, cosine) = cells[0].to_radians().sin_cos();
+            let found = [cosine * cells[2] + sine * cells[3], cosine * cells[3] - sine * cells[2]];
+            for k in 0..2 {
+                assert!((found[k] - wanted[k] * cells[1] * 1e3).abs() < 1e-9, "{degree}: {line}");
+            }
+        }
+    }
+    for more in [&["--order", "2"][..], &["--target", "linuxcnc"], &["--reference", "best-fit"]] {
+        let (code, said) = refused(&[&["map", text(&machine), "--degree", "2"], more].concat());
+        assert!(code == 2 && said.contains("--degree"), "{said}");
+    }
+}

@@ -99,6 +99,69 @@ fn of_many_answers_the_shortest_is_given() {
     assert_eq!(dx["coefficients"][0]["determined"], false);
 }
 
+/// dx = a x of four readings: the slope through the origin, its standard uncertainty and what three of them leave.
+#[test]
+fn coefficients_have_the_uncertainty_of_the_pseudo_inverse() {
+    let folder = Folder::new();
+    let head = "abbe: 1\nmachine: One\nchain: \"w b X t\"\naxes:\n  X: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n";
+    let one = format!("{head}identify:\n  fit: [a]\n  parameters: {{ a: {{ EXX: [0, 1] }} }}\n");
+    let data = folder.write("data.csv", "X [mm],dx [um]\n20,11\n40,19\n60,32\n100,49\n");
+    let fit = |machine: &str, more: &[&str]| {
+        let machine = folder.write("machine.yaml", machine);
+        let base = ["identify", machine.to_str().unwrap(), "--data", data.to_str().unwrap()];
+        json(&run(&[&base[..], &["--method", "moore-penrose", "--format", "json"], more].concat()))
+    };
+    let found = fit(&one, &["--order", "1"]);
+    let (x, y) = ([0.02, 0.04, 0.06, 0.1_f64], [11.0, 19.0, 32.0, 49.0_f64]);
+    let dot = |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let slope = dot(&x, &y) / dot(&x, &x);
+    let rest: [f64; 4] = std::array::from_fn(|i| y[i] - slope * x[i]);
+    let sigma = (dot(&rest, &rest) / 3.0 / dot(&x, &x)).sqrt();
+    let dx = &found["components"][0];
+    let coefficient = &dx["coefficients"][0];
+    assert_eq!((found["order"].as_u64(), dx["columns"].as_u64()), (Some(1), Some(1)));
+    for (key, wanted) in [("value", slope), ("sigma", sigma)] {
+        let value = coefficient[key].as_f64().unwrap();
+        assert!((value / wanted - 1.0).abs() < 1e-9, "{key}: {value} {wanted}");
+    }
+    assert_eq!(coefficient["determined"], true);
+    // Two curves of which the second is nearly the first: both are there, and neither is told from the other.
+    let two = "identify:\n  fit: [a, b]\n  parameters: { a: { EXX: [0, 1] }, b: { EXX: [0, 1, 0.00001] } }\n";
+    let found = fit(&format!("{head}{two}"), &["--order", "1"]);
+    let dx = &found["components"][0];
+    assert_eq!((dx["rank"].as_u64(), &dx["coefficients"][0]["determined"]), (Some(2), &false.into()));
+    assert!(dx["coefficients"][0]["sigma"].as_f64().unwrap() > 100.0 * sigma);
+}
+
+#[test]
+fn options_that_coefficients_know_nothing_of_are_refused() {
+    let (machine, data) = (format!("{EXAMPLE}machine.yaml"), format!("{EXAMPLE}phantom.csv"));
+    let base = ["identify", &machine, "--data", &data, "--method", "moore-penrose"];
+    let idle: [&[&str]; 9] = [
+        &["--order", "exact"],
+        &["--robust"],
+        &["--folds", "3"],
+        &["--range", "measured"],
+        &["--accept", "suspect"],
+        &["--prior", "EC0Y 5 urad"],
+        &["--type-b", "laser 0.4 um/m"],
+        &["--noise", "1um"],
+        &["--accept-undetermined"],
+    ];
+    for options in idle {
+        let output = run(&[&base[..], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{options:?}");
+        let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("--method moore-penrose"), "{options:?}: {said}");
+    }
+    let folder = Folder::new();
+    let svg = folder.path("svg");
+    assert_eq!(run(&[&base[..], &["--svg", svg.to_str().unwrap()]].concat()).status.code(), Some(0));
+    for name in ["fit-xy.svg", "fit-xz.svg", "fit-yz.svg"] {
+        assert!(std::fs::read_to_string(svg.join(name)).unwrap().matches("<circle").count() > 20, "{name}");
+    }
+}
+
 #[test]
 fn what_does_not_go_together_is_said() {
     let (machine, data) = (format!("{EXAMPLE}machine.yaml"), format!("{EXAMPLE}line.csv"));

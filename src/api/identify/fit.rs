@@ -34,7 +34,7 @@ pub struct IdentifyOptions {
     pub frame: Frame,
     /// The poses of points that a laser tracker's export has by name: a table with a column for each axis, and `point`.
     pub axis_poses: Option<PathBuf>,
-    /// Model to fit: exact by default, or of order 1 or 2.
+    /// Model to fit: exact by default, or of order 1 or 2. Monomials are those of order 2 by default.
     pub order: Option<Order>,
     /// Gives readings that stand out less weight (Huber).
     pub robust: bool,
@@ -73,6 +73,21 @@ impl IdentifyOptions {
             noise: self.noise_mm,
             accept: self.accepted(),
         }
+    }
+
+    /// Returns those of the options, as the program spells them, that coefficients of monomials know nothing of.
+    pub(super) fn without_effect_on_monomials(&self) -> Vec<&'static str> {
+        let list = [
+            (self.machine_file, "--out"),
+            (self.robust, "--robust"),
+            (self.folds.is_some(), "--folds"),
+            (self.range != FitRange::Travel, "--range"),
+            (!self.accepted().is_empty(), "--accept"),
+            (!self.priors.is_empty(), "--prior"),
+            (!self.type_b.is_empty(), "--type-b"),
+            (self.noise_mm.is_some(), "--noise"),
+        ];
+        list.into_iter().filter(|(is_given, _)| *is_given).map(|(_, option)| option).collect()
     }
 
     fn accepted(&self) -> Vec<FitAcceptance> {

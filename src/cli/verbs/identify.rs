@@ -111,7 +111,7 @@ impl Args {
             type_b: self.type_b.clone(),
             frame: self.frame.frame,
             axis_poses: self.axis_poses.clone(),
-            order: Some(self.order.order.unwrap_or(Order::Exact)),
+            order: self.order.order,
             robust: self.robust,
             folds: self.folds,
             range: match self.range {
@@ -158,6 +158,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     refuse_outputs(session, args)?;
     if args.method == Method::MoorePenrose {
         let fit = session.take(fit_monomials(&file, &args.options(), session.run()))?;
+        if let Some(folder) = &args.pictures {
+            pictures::write(session, &fit.pictures, folder)?;
+        }
         return session.show(&fit, || monomials::csv(&fit), || monomials::text(&fit));
     }
     let result = session.take(identify(&file, &args.options(), session.run()))?;

@@ -60,6 +60,9 @@ pub(crate) struct Args {
     samples: SamplesArg,
     #[command(flatten)]
     view: ViewArgs,
+    /// Map the part of one degree K in the errors alone, 1 to 6: 2 is what products of two errors do.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=6))]
+    degree: Option<u8>,
     #[command(flatten)]
     frame: FrameOption,
     /// Number of the worst poses to name (0 to 100000).
@@ -85,6 +88,7 @@ impl Args {
             poses,
             seed: self.seed.seed,
             order: self.view.order.order,
+            degree: self.degree,
             reference: self.reference.reference.clone(),
             path: self.job.path,
             approach: self.view.direction.direction,
@@ -171,10 +175,10 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     }
     let mut text = answer::map(result);
     text += &format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}{} poses ({})\n{}\n",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, {}\n{}{} poses ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
-        result.order,
+        result.degree.map_or_else(|| format!("order {}", result.order), |k| format!("degree {k} in the errors alone")),
         result.over.text(),
         result.poses,
         sampling(args, result),

@@ -244,6 +244,10 @@ mod x86 {
             Self(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, than.0)) })
         }
         #[inline(always)]
+        fn with_sign_of(self, other: Self) -> Self {
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_and_pd(other.0, _mm256_set1_pd(-0.0))) })
+        }
+        #[inline(always)]
         fn truncate(self) -> (Self, [u32; MAX_LANES]) {
             let mut indices = [0; MAX_LANES];
             let whole = unsafe {
@@ -328,6 +332,14 @@ mod x86 {
         #[inline(always)]
         fn select_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, than.0), no.0, yes.0) })
+        }
+        #[inline(always)]
+        fn with_sign_of(self, other: Self) -> Self {
+            unsafe {
+                let (x, sign) = (_mm512_castpd_si512(self.0), _mm512_castpd_si512(other.0));
+                // x ^ (sign & the sign bit)
+                Self(_mm512_castsi512_pd(_mm512_ternarylogic_epi64::<0x78>(x, sign, _mm512_set1_epi64(SIGN as i64))))
+            }
         }
         #[inline(always)]
         fn truncate(self) -> (Self, [u32; MAX_LANES]) {

@@ -61,6 +61,16 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// Transposes rows: lane i of vector k is element k of row i.
     fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8];
 
+    /// Returns `self`, its sign changed where the sign bit of `other` is set.
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        let (mut lanes, other) = (self.to_array(), other.to_array());
+        for lane in 0..Self::COUNT {
+            lanes[lane] = f64::from_bits(lanes[lane].to_bits() ^ (other[lane].to_bits() & SIGN));
+        }
+        Self::load(&lanes)
+    }
+
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         self.select_less(other, self, other)

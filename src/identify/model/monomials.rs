@@ -3,9 +3,9 @@
 //! and needs no start. It ignores that a product is the product of its factors, and that the components share them.
 
 use super::prediction::{FitModel, zero_unread};
-use crate::algebra::linear::{Svd, Triangle};
+use crate::algebra::linear::Triangle;
 use crate::identify::data::{Measurement, ReadingKind};
-use crate::identify::thresholds::{MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
+use crate::identify::thresholds::{MAX_INFLATION, MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -29,6 +29,9 @@ pub struct MonomialComponent {
     pub rms_um: Rms,
     /// The coefficients.
     pub coefficients: Vec<MonomialCoefficient>,
+    /// What the fit says of each row (mm), by its index in the data.
+    #[serde(skip)]
+    pub fitted: Vec<(usize, f64)>,
 }
 
 /// Root mean square of readings, um.
@@ -49,7 +52,11 @@ pub struct MonomialCoefficient {
     pub value: f64,
     /// Unit of the value.
     pub unit: String,
-    /// True if the data tell it from the others.
+    /// Standard uncertainty, in `unit`, by the pseudo-inverse and what is left of the readings; none without readings
+    /// to spare. Of a coefficient that the data do not tell from others it is that of the shortest answer.
+    pub sigma: Option<f64>,
+    /// True if the data tell it from the others: it is free of the null space, and the others make its uncertainty no
+    /// more than ten times what it would be without them.
     pub determined: bool,
 }
 
@@ -61,18 +68,19 @@ struct Expansion {
     columns: Vec<Vector3<f64>>,
 }
 
-/// Returns all monomials of one and two of so many parameters.
-fn monomials(count: usize) -> Vec<ErrorMonomial> {
-    let pairs = (0..count).flat_map(|i| (i..count).map(move |j| ErrorMonomial(i, Some(j))));
+/// Returns all monomials of one and, of order 2, of two of so many parameters.
+fn monomials(count: usize, order: u8) -> Vec<ErrorMonomial> {
+    let pairs = (0..if order > 1 { count } else { 0 }).flat_map(|i| (i..count).map(move |j| ErrorMonomial(i, Some(j))));
     (0..count).map(|i| ErrorMonomial(i, None)).chain(pairs).collect()
 }
 
-/// Returns the fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
-pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement]) -> Option<Vec<MonomialComponent>> {
+/// Returns the fit of each component that was measured by monomials up to degree 1 or 2. Rows other than deviations are
+/// not in the papers: `None`.
+pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement], order: u8) -> Option<Vec<MonomialComponent>> {
     if !data.iter().all(|m| m.kind() == ReadingKind::Deviation) {
         return None;
     }
-    let list = monomials(model.own());
+    let list = monomials(model.own(), order);
     let rows: Vec<Expansion> = data.par_iter().map(|m| expansion(model, m, &list)).collect();
     let component = |k: usize| component(model, data, &rows, &list, k);
     Some((0..3).filter_map(component).collect())
@@ -126,18 +134,30 @@ fn component(
     let rank = svd.rank(RANK_TOLERANCE);
     // A unit of each monomial in the papers' units, mm and rad.
     let sizes = DVector::from_iterator(columns.len(), columns.iter().map(|c| size(model, list[*c])));
-    let found = shortest(&svd, &scale, &sizes, &reduced.right, rank);
     let null = svd.null_space(rank);
-    let residual = |i: &usize| {
-        let fitted: f64 = columns.iter().zip(found.iter()).map(|(c, x)| rows[*i].columns[*c][k] * x).sum();
-        data[*i].values()[k] - rows[*i].constant[k] - fitted
+    let shortest = Shortest::new(&null, &scale, &sizes);
+    let found = shortest.of(&svd.solve(&reduced.right, rank));
+    let fitted = |i: &usize| -> f64 {
+        rows[*i].constant[k] + columns.iter().zip(found.iter()).map(|(c, x)| rows[*i].columns[*c][k] * x).sum::<f64>()
     };
+    let residual = |i: &usize| data[*i].values()[k] - fitted(i);
+    let squares: f64 = seen.iter().map(|i| data[*i].weight * residual(i) * residual(i)).sum();
+    let spare = seen.len() - rank;
+    let scatter = (spare > 0).then(|| libm::sqrt(squares / spare as f64));
+    // Of readings of unit scatter: the rows of the pseudo-inverse.
+    let root = svd.root_covariance(rank);
+    let spread: Vec<DVector<f64>> = (0..rank).map(|r| shortest.of(&root.column(r).into_owned())).collect();
+    let sigma_of = |j: usize| libm::sqrt(spread.iter().map(|direction| direction[j] * direction[j]).sum::<f64>());
     let before = |i: &usize| data[*i].values()[k] - rows[*i].constant[k];
     let rms = |f: &dyn Fn(&usize) -> f64| libm::sqrt(seen.iter().map(|i| f(i) * f(i)).sum::<f64>() / seen.len() as f64);
     let coefficient = |(j, c): (usize, &usize)| {
         let (monomial, unit, factor) = label(model, list[*c]);
-        let determined = null.row(j).norm_squared() < MAX_NULL_SPACE_SHARE;
-        MonomialCoefficient { monomial, value: found[j] / sizes[j] * factor + 0.0, unit, determined }
+        // Without the others a coefficient scatters by the inverse of its column's length.
+        let inflation = sigma_of(j) * scale[j];
+        let determined = null.row(j).norm_squared() < MAX_NULL_SPACE_SHARE && inflation < MAX_INFLATION;
+        let in_unit = factor / sizes[j];
+        let sigma = scatter.map(|scatter| scatter * sigma_of(j) * in_unit);
+        MonomialCoefficient { monomial, value: found[j] * in_unit + 0.0, unit, sigma, determined }
     };
     Some(MonomialComponent {
         component: ["dx", "dy", "dz"][k],
@@ -146,6 +166,7 @@ fn component(
         rank,
         rms_um: Rms { before: rms(&before) * 1e3, after: rms(&residual) * 1e3 },
         coefficients: columns.iter().enumerate().map(coefficient).collect(),
+        fitted: seen.iter().map(|i| (*i, fitted(i))).collect(),
     })
 }
 
@@ -167,17 +188,28 @@ fn label(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> (String, S
     }
 }
 
-/// Returns the shortest best solution in mm and rad: that of the Moore-Penrose inverse of the papers' matrix.
-fn shortest(svd: &Svd, scale: &DVector<f64>, sizes: &DVector<f64>, right: &DVector<f64>, rank: usize) -> DVector<f64> {
-    let one = svd.solve(right, rank).component_div(scale);
-    let null = svd.null_space(rank);
-    if null.ncols() == 0 {
-        return one;
+/// Of equivalent answers the shortest in mm and rad: that of the Moore-Penrose inverse of the papers' matrix.
+struct Shortest<'a> {
+    /// Norms of the columns.
+    scale: &'a DVector<f64>,
+    /// Sizes of the monomials.
+    sizes: &'a DVector<f64>,
+    /// Orthonormal basis of what changes nothing, in mm and rad.
+    free: Option<DMatrix<f64>>,
+}
+
+impl<'a> Shortest<'a> {
+    fn new(null: &DMatrix<f64>, scale: &'a DVector<f64>, sizes: &'a DVector<f64>) -> Self {
+        let free = DMatrix::from_fn(null.nrows(), null.ncols(), |i, j| null[(i, j)] / scale[i] / sizes[i]);
+        Self { scale, sizes, free: (null.ncols() > 0).then(|| free.qr().q()) }
     }
-    let weight = |j: usize| 1.0 / sizes[j];
-    let free = DMatrix::from_fn(null.nrows(), null.ncols(), |i, j| null[(i, j)] / scale[i] * weight(i));
-    let q = free.qr().q();
-    let raw = DVector::from_fn(one.len(), |j, _| one[j] * weight(j));
-    let rest = &raw - &q * q.tr_mul(&raw);
-    DVector::from_fn(one.len(), |j, _| rest[j] / weight(j))
+
+    /// Returns the shortest answer that does as much as one by scaled columns, as displacements.
+    fn of(&self, scaled: &DVector<f64>) -> DVector<f64> {
+        let one = scaled.component_div(self.scale);
+        let Some(free) = &self.free else { return one };
+        let raw = one.component_div(self.sizes);
+        let rest = &raw - free * free.tr_mul(&raw);
+        rest.component_mul(self.sizes)
+    }
 }

@@ -20,6 +20,12 @@ use std::sync::OnceLock;
 /// Number of nodes of a curve along the travel, both ends included.
 pub const NODES: usize = 65;
 
+/// The same rounded up to whole vectors of any width.
+pub(super) const NODE_PLACES: usize = NODES.next_multiple_of(8);
+
+/// A number for each node; the places behind them hold 0.
+pub(super) type NodeValues = [f64; NODE_PLACES];
+
 /// Number of waves of a curve.
 pub const HARMONICS: usize = 6;
 
@@ -52,7 +58,11 @@ impl Distribution {
 
     /// Returns a standard normal value as a fraction of the tolerance, -1 to 1.
     pub fn fraction(self, normal: f64) -> f64 {
-        let even = libm::erf(normal * std::f64::consts::FRAC_1_SQRT_2);
+        self.fraction_of(libm::erf(normal * std::f64::consts::FRAC_1_SQRT_2))
+    }
+
+    /// Returns the fraction of the tolerance for a value that is uniform on -1..1.
+    pub(super) fn fraction_of(self, even: f64) -> f64 {
         match self {
             Self::Uniform => even,
             Self::Triangular => (1.0 - (1.0 - even.abs()).max(0.0).sqrt()).copysign(even),
@@ -98,7 +108,7 @@ pub struct Draws {
     /// Weighted cosine and sine of every wave at every node: open curves, closed curves.
     waves: [Vec<[(f64, f64); HARMONICS]>; 2],
     /// Correlations of the values of a curve at two nodes, made at first use.
-    correlations: [OnceLock<Vec<Vec<f64>>>; 2],
+    correlations: [OnceLock<Vec<NodeValues>>; 2],
 }
 
 impl Draws {
@@ -117,7 +127,7 @@ impl Draws {
     }
 
     /// Returns the correlations of the values of a curve at any two nodes.
-    pub fn correlations(&self, closed: bool) -> &[Vec<f64>] {
+    pub(super) fn correlations(&self, closed: bool) -> &[NodeValues] {
         let make = || {
             let waves = &self.waves[usize::from(closed)];
             let series = self.distribution.hermite_squares();
@@ -127,31 +137,58 @@ impl Draws {
                 // Odd powers: the numbers lie evenly about 0.
                 series.iter().rev().fold(0.0, |sum, square| sum * normal * normal + square) * normal
             };
-            (0..NODES).map(|n| (0..NODES).map(|m| of(n, m)).collect()).collect()
+            let row = |n: usize| std::array::from_fn(|m| if m < NODES { of(n, m) } else { 0.0 });
+            (0..NODES).map(row).collect()
         };
         self.correlations[usize::from(closed)].get_or_init(make)
     }
 
-    fn stream(&self, error: &impl Display, sample: usize) -> Normals {
+    /// Returns the distribution of the errors.
+    pub fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
+    /// Returns the weighted cosine and sine of every wave at every node.
+    pub(super) fn waves(&self, closed: bool) -> &[[(f64, f64); HARMONICS]] {
+        &self.waves[usize::from(closed)]
+    }
+
+    fn key(&self, error: &impl Display) -> [u8; 32] {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
         // A name has twelve bytes at most.
         error.to_string().bytes().zip(&mut key[8..]).for_each(|(byte, slot)| *slot = byte);
-        let mut generator = ChaCha8Rng::from_seed(key);
-        generator.set_stream(sample as u64);
-        Normals { generator, second: None }
+        key
     }
 
     /// Returns a location error of a sample, as a fraction of its tolerance.
     pub fn constant(&self, error: &impl Display, sample: usize) -> f64 {
-        self.distribution.fraction(self.stream(error, sample).next())
+        let [fraction] = self.constants(error, sample);
+        fraction
+    }
+
+    /// Returns a location error of samples `first..first + N`, as fractions of its tolerance.
+    pub fn constants<const N: usize>(&self, error: &impl Display, first: usize) -> [f64; N] {
+        let key = self.key(error);
+        std::array::from_fn(|i| self.distribution.fraction(Normals::of_error(key, first + i).next()))
+    }
+
+    /// Returns the amplitudes of cosine and sine of the waves of samples `first..first + N`.
+    pub(super) fn amplitudes<const N: usize>(&self, error: &impl Display, first: usize) -> [[[f64; N]; 2]; HARMONICS] {
+        let key = self.key(error);
+        let mut amplitudes = [[[0.0; N]; 2]; HARMONICS];
+        for sample in 0..N {
+            let mut normals = Normals::of_error(key, first + sample);
+            amplitudes.iter_mut().flatten().for_each(|lanes| lanes[sample] = normals.next());
+        }
+        amplitudes
     }
 
     /// Returns a component error of a sample at the nodes, as fractions of its tolerance.
     pub fn curve(&self, error: &impl Display, sample: usize, closed: bool) -> [f64; NODES] {
-        let mut normals = self.stream(error, sample);
+        let mut normals = Normals::of_error(self.key(error), sample);
         let amplitudes: [(f64, f64); HARMONICS] = std::array::from_fn(|_| (normals.next(), normals.next()));
-        let waves = &self.waves[usize::from(closed)];
+        let waves = self.waves(closed);
         std::array::from_fn(|m| {
             let wave = |((c, s), (a, b)): (&(f64, f64), &(f64, f64))| c * a + s * b;
             self.distribution.fraction(waves[m].iter().zip(&amplitudes).map(wave).sum())
@@ -170,6 +207,13 @@ impl Normals {
     pub fn new(seed: u64, sample: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(sample);
+        Self { generator, second: None }
+    }
+
+    /// Returns the numbers of a sample of an error.
+    fn of_error(key: [u8; 32], sample: usize) -> Self {
+        let mut generator = ChaCha8Rng::from_seed(key);
+        generator.set_stream(sample as u64);
         Self { generator, second: None }
     }
 
@@ -235,7 +279,7 @@ mod tests {
             [(Distribution::Uniform, &even), (Distribution::Triangular, &triangular)];
         for (distribution, law) in laws {
             let draws = Draws::new(11, distribution);
-            let constants = (0..SAMPLES).map(|s| draws.constant(&error("C", ErrorFamily::Location), s)).collect();
+            let constants = draws.constants::<SAMPLES>(&error("C", ErrorFamily::Location), 0).to_vec();
             assert!(kolmogorov(constants, law) < limit);
             for (closed, node) in [(false, 0), (false, 32), (false, 64), (true, 17)] {
                 let values =

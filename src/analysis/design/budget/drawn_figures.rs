@@ -79,12 +79,13 @@ pub fn draw_figures(request: FiguresRequest<'_>, progress: Advance<'_>) -> Resul
             return Ok(Vec::new());
         }
         let drawn = DrawnPositions::new(&request, &places, &joints, chunk);
+        let removed = drawn.chunk.removed_by_source(&joints);
         let mut found = Vec::new();
         for lane in 0..lanes(chunk) {
             let positions = drawn.at(&request, lane);
             for k in (0..figures).filter(|k| wanted(lane, *k)) {
                 let weights = (request.weights)(k, &positions);
-                found.push((k, drawn.parts(&request, &places, &joints, lane, &weights)));
+                found.push((k, drawn.parts(&request, &places, &joints, &removed, lane, &weights)));
             }
         }
         Ok(found)
@@ -154,13 +155,14 @@ impl DrawnPositions {
         request: &FiguresRequest<'_>,
         places: &[BudgetPose],
         joints: &[JointBounds],
+        removed: &[Vec<[SampleLanes; 6]>],
         lane: usize,
         weights: &[(usize, Vector3<f64>)],
     ) -> Parts {
         let count = request.bounds.len();
         let mut parts = Parts { bounds: vec![0.0; count], constant: 0.0 };
         for (pose, weight) in weights {
-            let vectors = places[*pose].parts(&self.chunk, joints, lane, count);
+            let vectors = places[*pose].parts(&self.chunk, removed, joints, lane, count);
             let along = vectors.iter().map(|v| weight.dot(&Vector3::from(*v)));
             parts.bounds.iter_mut().zip(along).for_each(|(sum, x)| *sum += x);
             parts.constant += request.constant.get(*pose).map_or(0.0, |constant| weight.dot(constant));

@@ -8,8 +8,8 @@
 //!
 //! A step: the parts of the worst tenth give a model in which the square of the value is a sum of squares, one for
 //! each tolerance. Its optimum between the limits is found by bisection of the multiplier. With a sum of squares one
-//! step would do; here a few tens are made at most, and the same machines are drawn in each, so that the result is the
-//! same on every run.
+//! step would do; here a few tens are made at most, and the same machines are taken in each, so that the result is the
+//! same on every run; they are drawn once, with tolerances of 1, and kept as far as memory allows.
 //!
 //! The tolerances fit the machines by which they are sought better than others. Hence the goal of the search is
 //! corrected until other machines keep it, and a third set of machines proves it. The search aims below the goal by
@@ -18,7 +18,7 @@
 use super::bounds::Bound;
 use super::cost::Price;
 use super::draw::Draws;
-use super::kernel::{BudgetPose, JointBounds, by_joint_without};
+use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, by_joint_without};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, TAIL, rank, ranks};
 use super::staying::StayingErrors;
@@ -28,6 +28,7 @@ use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
 use crate::run::unheard;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Maximum number of steps for one goal.
 const MAX_STEPS: usize = 15;
@@ -49,6 +50,9 @@ const MIN_PART: f64 = 1e-5;
 
 /// The last corrections end below the goal by a millionth, which rounding cannot turn.
 const BELOW: f64 = 1.0 - 1e-6;
+
+/// Maximum memory for the machines of one generator that are kept.
+const KEPT_BYTES: usize = 64 << 20;
 
 /// Number of machines by which the goal is corrected.
 const CORRECTING: usize = 20_000;
@@ -144,7 +148,38 @@ struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,
     poses: Vec<BudgetPose>,
+    /// For each generator.
+    kept: [KeptDraws<'a>; 3],
 }
+
+/// The machines of a generator as it draws them with tolerances of 1; the first ones are kept.
+struct KeptDraws<'a> {
+    draws: &'a Draws,
+    unit: Vec<Bound>,
+    chunks: Vec<OnceLock<SampleChunk>>,
+}
+
+impl<'a> KeptDraws<'a> {
+    /// Keeps so many machines, and not more than fit into [`KEPT_BYTES`].
+    fn new(draws: &'a Draws, joints: &[JointBounds], bounds: &[Bound], samples: usize) -> Self {
+        let chunks = samples.div_ceil(SAMPLE_LANES).min(KEPT_BYTES / SampleChunk::bytes(joints).max(1));
+        let unit = bounds.iter().map(|bound| Bound { tolerance: 1.0, ..bound.clone() }).collect();
+        Self { draws, unit, chunks: (0..chunks).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// Returns the machines from an index on with the tolerances of bounds.
+    fn chunk(&self, joints: &[JointBounds], bounds: &[Bound], first: usize) -> SampleChunk {
+        let Some(chunk) = self.chunks.get(first / SAMPLE_LANES) else {
+            return SampleChunk::new(joints, bounds, self.draws, first);
+        };
+        chunk.get_or_init(|| SampleChunk::new(joints, &self.unit, self.draws, first)).times(joints, bounds)
+    }
+}
+
+/// The sets of machines, in the order of the generators.
+const SEARCH: usize = 0;
+const CORRECTION: usize = 1;
+const PROOF: usize = 2;
 
 /// The value of machines drawn with some tolerances, mm.
 struct DrawnValue {
@@ -175,7 +210,6 @@ impl DrawnValue {
 /// Returns the cheapest tolerances; the request has at least one bound, pose and sample.
 pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let search = GoalSearch::new(request);
-    let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
     let least = search.default_run(&finest);
@@ -188,7 +222,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let (mut aim, mut steps) = (request.goal_mm, 0);
     for _ in 0..MAX_CORRECTIONS {
         steps += search.settle(&mut tolerances, aim);
-        let kept = search.evaluate(&tolerances, correcting, CORRECTING);
+        let kept = search.evaluate(&tolerances, CORRECTION, CORRECTING);
         let by = request.goal_mm / (kept.p95() * kept.sampling_error(request.default_samples));
         let by = by.min(request.goal_mm / search.default_run(&tolerances));
         let at_coarsest = tolerances.iter().zip(request.prices).all(|(t, price)| *t >= price.coarsest);
@@ -206,8 +240,8 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
         scale(&mut tolerances, request.prices, request.goal_mm / run * BELOW);
         run = search.default_run(&tolerances);
     }
-    let before = search.evaluate(&present, request.draws[0], request.samples).percentile_um();
-    let proof = search.evaluate(&tolerances, proving, request.proof_samples);
+    let before = search.evaluate(&present, SEARCH, request.samples).percentile_um();
+    let proof = search.evaluate(&tolerances, PROOF, request.proof_samples);
     let least = proof.p95().max(run);
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
@@ -227,7 +261,9 @@ impl<'a> GoalSearch<'a> {
         let field = staying.as_ref().map(|staying| staying as &dyn Field);
         let at = |pose: &Pose| BudgetPose::new(machine, &joints, pose, Quantity::Position).beside(field, pose);
         let poses = request.poses.par_iter().map(at).collect();
-        Self { request, joints, poses }
+        let sizes = [request.samples.max(request.default_samples), CORRECTING, 0];
+        let kept = |set: usize| KeptDraws::new(request.draws[set], &joints, bounds, sizes[set]);
+        Self { request, kept: [kept(SEARCH), kept(CORRECTION), kept(PROOF)], joints, poses }
     }
 
     /// Returns the statistic of the errors that stay alone, mm.
@@ -237,15 +273,16 @@ impl<'a> GoalSearch<'a> {
         self.request.statistic.of(&mut lengths)
     }
 
-    fn evaluate(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> DrawnValue {
+    fn evaluate(&self, tolerances: &[f64], set: usize, samples: usize) -> DrawnValue {
         let GoalRequest { bounds, statistic, .. } = self.request;
         let bounds: Vec<Bound> = bounds
             .iter()
             .zip(tolerances)
             .map(|(bound, tolerance)| Bound { tolerance: *tolerance, ..bound.clone() })
             .collect();
-        let Ok(mut drawn) =
-            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, 0..samples, &unheard);
+        let chunk_at = |first: usize| self.kept[set].chunk(&self.joints, &bounds, first);
+        let Ok([mut drawn]) =
+            monte_carlo::draw([&self.poses], &self.joints, &chunk_at, statistic, 0..samples, &unheard);
         drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
         let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
         let mean = |of: &dyn Fn(&DrawnMachine) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;
@@ -255,14 +292,14 @@ impl<'a> GoalSearch<'a> {
 
     /// Returns the upper end (mm) of the interval of a default run.
     fn default_run(&self, tolerances: &[f64]) -> f64 {
-        let run = self.evaluate(tolerances, self.request.draws[0], self.request.default_samples).percentile_um();
+        let run = self.evaluate(tolerances, SEARCH, self.request.default_samples).percentile_um();
         run.high.unwrap_or(run.value) * 1e-3
     }
 
     /// Moves tolerances to the cheapest ones whose 95 % value is `aim` (mm); returns the number of steps.
     fn settle(&self, tolerances: &mut [f64], aim: f64) -> usize {
         for step in 0..MAX_STEPS {
-            let found = self.evaluate(tolerances, self.request.draws[0], self.request.samples);
+            let found = self.evaluate(tolerances, SEARCH, self.request.samples);
             let next = self.step(tolerances, &found, aim);
             let mut change = 0.0_f64;
             for (t, next) in tolerances.iter_mut().zip(next) {

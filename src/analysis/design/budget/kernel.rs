@@ -2,18 +2,14 @@
 //! errors of [`SAMPLE_LANES`] samples side by side. Each source lives in one joint, so this is a sum over joints.
 
 use super::bounds::Bound;
-use super::draw::{Draws, NODES};
+use super::draw::{Draws, NODE_PLACES, NODES, NodeValues};
+use super::sample_kernels::{AddEffects, AddMotions, CurveNodes, MotionTerm, NodeSums, RemoveMotion, run};
+pub use super::sample_kernels::{SAMPLE_LANES, SampleLanes};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::evaluate::{Deviation, Field};
 use crate::lower::{Quantity, SideWeights, Twist, TwistMap, twists};
 use crate::machine::{Approach, Axis, Machine, Travel};
 use nalgebra::{Vector3, Vector6};
-
-/// Number of samples computed side by side.
-pub const SAMPLE_LANES: usize = 40;
-
-/// A number per sample.
-pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The effect of each source of a joint at a pose, per mm or rad of it.
 pub type SourceEffects = Vec<[f64; 3]>;
@@ -47,17 +43,40 @@ pub struct RemovedMotions {
     location: Vec<Vector6<f64>>,
     /// The motions by component errors at the nodes of their curves, node by node.
     component: Vec<Vec<Vector6<f64>>>,
+    /// The latter that are not zero, as the values at the nodes are kept.
+    terms: Vec<MotionTerm>,
+    /// Those of each source.
+    by_source: Vec<Vec<MotionTerm>>,
+}
+
+impl RemovedMotions {
+    fn none(joint: &JointBounds) -> Self {
+        let count = joint.component.len();
+        Self {
+            location: vec![Vector6::zeros(); joint.location.len()],
+            component: vec![vec![Vector6::zeros(); count]; NODES],
+            terms: Vec::new(),
+            by_source: vec![Vec::new(); count],
+        }
+    }
+
+    fn list_terms(&mut self) {
+        for (index, motion) in self.component.iter().flatten().enumerate() {
+            if *motion != Vector6::zeros() {
+                let term = MotionTerm { index, motion: (*motion).into() };
+                self.terms.push(term);
+                let source = index % self.by_source.len();
+                self.by_source[source].push(term);
+            }
+        }
+    }
 }
 
 /// Returns the bounds joint by joint, without what a reference takes out of their effects.
 pub fn by_joint_without(machine: &Machine, bounds: &[Bound], reference: Option<&PartReference>) -> Vec<JointBounds> {
     let mut joints = by_joint(machine, bounds);
     let Some(reference) = reference else { return joints };
-    let none = |joint: &JointBounds| RemovedMotions {
-        location: vec![Vector6::zeros(); joint.location.len()],
-        component: vec![vec![Vector6::zeros(); joint.component.len()]; NODES],
-    };
-    let mut removed: Vec<RemovedMotions> = joints.iter().map(none).collect();
+    let mut removed: Vec<RemovedMotions> = joints.iter().map(RemovedMotions::none).collect();
     for point in reference.points() {
         let pose = BudgetPose::new(machine, &joints, &point.pose, Quantity::Position);
         for ((removed, [location, component]), at) in removed.iter_mut().zip(&pose.columns).zip(&pose.points) {
@@ -69,6 +88,7 @@ pub fn by_joint_without(machine: &Machine, bounds: &[Bound], reference: Option<&
             }
         }
     }
+    removed.iter_mut().for_each(RemovedMotions::list_terms);
     joints.iter_mut().zip(removed).for_each(|(joint, removed)| joint.removed = Some(removed));
     joints
 }
@@ -123,9 +143,48 @@ impl CurvePoint {
 
 /// The sources of a joint in a chunk of samples (mm, rad), in their order.
 #[derive(Debug)]
-pub struct JointSamples {
+struct JointSamples {
     location: Vec<SampleLanes>,
-    nodes: Vec<Vec<SampleLanes>>,
+    /// Node by node the component errors.
+    nodes: Vec<SampleLanes>,
+}
+
+impl JointSamples {
+    fn new(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> Self {
+        let location = |source: &DrawnSource| {
+            let bound = &bounds[source.bound];
+            draws.constants(&bound.stream(), first).map(|x| bound.tolerance * x)
+        };
+        let stride = joint.component.len();
+        let mut nodes = vec![[0.0; SAMPLE_LANES]; stride * NODES];
+        for (k, source) in joint.component.iter().enumerate() {
+            let bound = &bounds[source.bound];
+            run(CurveNodes {
+                waves: draws.waves(joint.closed),
+                amplitudes: &draws.amplitudes(&bound.stream(), first),
+                tolerance: bound.tolerance,
+                distribution: draws.distribution(),
+                nodes: &mut nodes[k..],
+                stride,
+            });
+        }
+        Self { location: joint.location.iter().map(location).collect(), nodes }
+    }
+
+    /// Returns the samples times the tolerances of their bounds.
+    fn times(&self, joint: &JointBounds, bounds: &[Bound]) -> Self {
+        let of = |sources: &[DrawnSource], values: &[SampleLanes]| {
+            let tolerances = sources.iter().map(|source| bounds[source.bound].tolerance).cycle();
+            values.iter().zip(tolerances).map(|(lanes, tolerance)| lanes.map(|x| tolerance * x)).collect()
+        };
+        Self { location: of(&joint.location, &self.location), nodes: of(&joint.component, &self.nodes) }
+    }
+
+    /// Returns the component errors at a node and at the next one.
+    fn at(&self, node: usize, count: usize) -> [&[SampleLanes]; 2] {
+        let (low, high) = self.nodes[node * count..(node + 2) * count].split_at(count);
+        [low, high]
+    }
 }
 
 /// A chunk of drawn machines.
@@ -139,54 +198,53 @@ pub struct SampleChunk {
 impl SampleChunk {
     /// Draws samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
-        let samples: Vec<JointSamples> =
-            joints.iter().map(|joint| joint_samples(joint, bounds, draws, first)).collect();
+        Self::of(joints, joints.iter().map(|joint| JointSamples::new(joint, bounds, draws, first)).collect())
+    }
+
+    /// Returns a chunk that is drawn with tolerances of 1 as it is with those of the bounds.
+    pub fn times(&self, joints: &[JointBounds], bounds: &[Bound]) -> Self {
+        Self::of(joints, joints.iter().zip(&self.joints).map(|(joint, samples)| samples.times(joint, bounds)).collect())
+    }
+
+    /// Returns the number of bytes that a chunk takes.
+    pub fn bytes(joints: &[JointBounds]) -> usize {
+        let values = |joint: &JointBounds| joint.location.len() + NODES * joint.component.len();
+        joints.iter().map(values).sum::<usize>() * size_of::<SampleLanes>()
+    }
+
+    fn of(joints: &[JointBounds], samples: Vec<JointSamples>) -> Self {
         let mut removed = None;
         for (joint, samples) in joints.iter().zip(&samples) {
             let Some(motions) = &joint.removed else { continue };
-            let sum = removed.get_or_insert([[0.0; SAMPLE_LANES]; 6]);
-            let values = motions.component.iter().flatten().zip(samples.nodes.iter().flatten());
-            for (motion, errors) in values.filter(|(motion, _)| **motion != Vector6::zeros()) {
-                for (sum, part) in sum.iter_mut().zip(motion.iter()) {
-                    sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += part * error);
-                }
-            }
+            let to = removed.get_or_insert([[0.0; SAMPLE_LANES]; 6]);
+            run(AddMotions { terms: &motions.terms, factors: &samples.nodes, to });
         }
         Self { joints: samples, removed }
     }
 
-    /// Returns the location errors of a joint.
-    pub fn location(&self, joint: usize) -> &[SampleLanes] {
-        &self.joints[joint].location
+    /// Adds the effects of the location errors of a joint.
+    pub fn add_location(&self, joint: usize, effects: &[[f64; 3]], to: &mut [SampleLanes; 3]) {
+        run(AddEffects { effects, errors: &self.joints[joint].location, next: None, to });
     }
 
-    /// Returns the component errors of a joint at a point of its curves.
-    pub fn component(&self, joint: usize, at: CurvePoint) -> Vec<SampleLanes> {
-        let [low, high] = self.joints[joint].nodes.get(at.node..at.node + 2).unwrap_or_default() else {
-            return Vec::new();
-        };
-        let between = |(a, b): (&SampleLanes, &SampleLanes)| {
-            std::array::from_fn(|lane| a[lane] + at.fraction * (b[lane] - a[lane]))
-        };
-        low.iter().zip(high).map(between).collect()
+    /// Adds the effects of the component errors of a joint at a point of its curves.
+    pub fn add_component(&self, joint: usize, at: CurvePoint, effects: &[[f64; 3]], to: &mut [SampleLanes; 3]) {
+        let [errors, next] = self.joints[joint].at(at.node, effects.len());
+        run(AddEffects { effects, errors, next: Some((next, at.fraction)), to });
     }
-}
 
-fn joint_samples(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
-    let location = |source: &DrawnSource| {
-        let (bound, stream) = (&bounds[source.bound], bounds[source.bound].stream());
-        std::array::from_fn(|lane| bound.tolerance * draws.constant(&stream, first + lane))
-    };
-    let count = joint.component.len();
-    let mut nodes = if count == 0 { Vec::new() } else { vec![vec![[0.0; SAMPLE_LANES]; count]; NODES] };
-    for (k, source) in joint.component.iter().enumerate() {
-        let (bound, stream) = (&bounds[source.bound], bounds[source.bound].stream());
-        for lane in 0..SAMPLE_LANES {
-            let curve = draws.curve(&stream, first + lane, joint.closed);
-            nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
-        }
+    /// Returns the motions that the set-up of the part takes out because of each component error, joint by joint.
+    pub fn removed_by_source(&self, joints: &[JointBounds]) -> Vec<Vec<[SampleLanes; 6]>> {
+        let of = |(joint, samples): (&JointBounds, &JointSamples)| {
+            let motion = |terms: &Vec<MotionTerm>| {
+                let mut sum = [[0.0; SAMPLE_LANES]; 6];
+                run(AddMotions { terms, factors: &samples.nodes, to: &mut sum });
+                sum
+            };
+            joint.removed.iter().flat_map(|removed| &removed.by_source).map(motion).collect()
+        };
+        joints.iter().zip(&self.joints).map(of).collect()
     }
-    JointSamples { location: joint.location.iter().map(location).collect(), nodes }
 }
 
 /// Returns the effects of sources by the map of their joint.
@@ -197,25 +255,6 @@ pub fn columns(map: &TwistMap, sources: &[DrawnSource]) -> SourceEffects {
         parts.fold(0.0, |sum, (entry, letter)| sum + entry * letter)
     };
     sources.iter().map(|source| std::array::from_fn(|i| effect(&map[i], &source.letters))).collect()
-}
-
-/// Adds effects times the sources of every sample.
-pub fn add(columns: &[[f64; 3]], errors: &[SampleLanes], to: &mut [SampleLanes; 3]) {
-    for (columns, errors) in columns.chunks(3).zip(errors.chunks(3)) {
-        if let ([a, b, c], [x, y, z]) = (columns, errors) {
-            for (i, out) in to.iter_mut().enumerate() {
-                for lane in 0..SAMPLE_LANES {
-                    out[lane] += a[i] * x[lane] + b[i] * y[lane] + c[i] * z[lane];
-                }
-            }
-            continue;
-        }
-        for (column, error) in columns.iter().zip(errors) {
-            for (i, out) in to.iter_mut().enumerate() {
-                out.iter_mut().zip(error).for_each(|(out, error)| *out += column[i] * error);
-            }
-        }
-    }
 }
 
 /// Returns squared lengths.
@@ -260,12 +299,11 @@ impl MotionEffect {
 
     /// Takes the effect of a motion out of deviations, for all samples.
     fn remove(self, motion: &[SampleLanes; 6], from: &mut [SampleLanes; 3]) {
-        let [tx, ty, tz, wx, wy, wz] = motion;
-        for lane in 0..SAMPLE_LANES {
-            let motion = Vector6::new(tx[lane], ty[lane], tz[lane], wx[lane], wy[lane], wz[lane]);
-            let effect = self.of(&motion);
-            from.iter_mut().zip(effect.iter()).for_each(|(d, effect)| d[lane] -= effect);
-        }
+        let tip = match self {
+            Self::Position(tip) => Some(tip.into()),
+            Self::Rotation => None,
+        };
+        run(RemoveMotion { motion, tip, from });
     }
 }
 
@@ -317,8 +355,8 @@ impl BudgetPose {
     pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
         let mut d = self.fixed.map(|fixed| [fixed; SAMPLE_LANES]);
         for (joint, ([location, component], point)) in self.columns.iter().zip(&self.points).enumerate() {
-            add(location, chunk.location(joint), &mut d);
-            add(component, &chunk.component(joint, *point), &mut d);
+            chunk.add_location(joint, location, &mut d);
+            chunk.add_component(joint, *point, component, &mut d);
         }
         if let Some(removed) = &chunk.removed {
             self.effect.remove(removed, &mut d);
@@ -326,25 +364,32 @@ impl BudgetPose {
         d
     }
 
-    /// Returns the deviation by each bounded source in one sample, in the order of the bounds.
-    pub fn parts(&self, chunk: &SampleChunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
+    /// Returns the deviation by each bounded source in one sample, in the order of the bounds; `removed` is
+    /// [`SampleChunk::removed_by_source`].
+    pub fn parts(
+        &self,
+        chunk: &SampleChunk,
+        removed: &[Vec<[SampleLanes; 6]>],
+        joints: &[JointBounds],
+        lane: usize,
+        count: usize,
+    ) -> Vec<[f64; 3]> {
         let mut parts = vec![[0.0; 3]; count];
         for (joint, (([location, component], point), bounds)) in
             self.columns.iter().zip(&self.points).zip(joints).enumerate()
         {
-            let at_point = chunk.component(joint, *point);
-            let of = [(location, &bounds.location, chunk.location(joint)), (component, &bounds.component, &at_point)];
-            for (columns, sources, errors) in of {
-                for ((column, source), error) in columns.iter().zip(sources).zip(errors) {
-                    parts[source.bound] = column.map(|x| x * error[lane]);
-                }
+            let samples = &chunk.joints[joint];
+            for ((column, source), error) in location.iter().zip(&bounds.location).zip(&samples.location) {
+                parts[source.bound] = column.map(|x| x * error[lane]);
             }
-            let Some(removed) = &bounds.removed else { continue };
-            for (k, source) in bounds.component.iter().enumerate() {
-                let nodes = removed.component.iter().zip(&chunk.joints[joint].nodes);
-                let motion = nodes.fold(Vector6::zeros(), |sum, (motions, errors)| sum + motions[k] * errors[k][lane]);
-                let part = parts[source.bound].iter_mut();
-                part.zip(self.effect.of(&motion).iter()).for_each(|(x, effect)| *x -= effect);
+            let [low, high] = samples.at(point.node, component.len());
+            for (k, (column, source)) in component.iter().zip(&bounds.component).enumerate() {
+                let error = low[k][lane] + point.fraction * (high[k][lane] - low[k][lane]);
+                let part = &mut parts[source.bound];
+                *part = column.map(|x| x * error);
+                let Some(motion) = removed[joint].get(k) else { continue };
+                let motion = Vector6::from_fn(|i, _| motion[i][lane]);
+                part.iter_mut().zip(self.effect.of(&motion).iter()).for_each(|(x, effect)| *x -= effect);
             }
         }
         parts
@@ -428,9 +473,15 @@ pub fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// Returns the root mean square length of vectors times random numbers of variance 1 with these correlations.
-fn spread(vectors: &[Vector3<f64>], correlations: &[Vec<f64>]) -> f64 {
+/// Returns the root mean square length of vectors at the nodes times random numbers of variance 1 with these
+/// correlations.
+fn spread(vectors: &[Vector3<f64>], correlations: &[NodeValues]) -> f64 {
+    let mut columns = [[0.0; NODE_PLACES]; 3];
+    for (n, v) in vectors.iter().enumerate() {
+        columns.iter_mut().zip(v.iter()).for_each(|(column, x)| column[n] = *x);
+    }
     let counts: Vec<usize> = (0..vectors.len()).filter(|n| vectors[*n] != Vector3::zeros()).collect();
-    let row = |n: &usize| counts.iter().map(|m| vectors[*n].dot(&vectors[*m]) * correlations[*n][*m]).sum::<f64>();
-    counts.iter().map(row).sum::<f64>().max(0.0).sqrt()
+    let mut rows = [0.0; NODE_PLACES];
+    run(NodeSums { columns: &columns, counts: &counts, correlations, rows: &mut rows });
+    counts.iter().map(|n| rows[*n]).sum::<f64>().max(0.0).sqrt()
 }

@@ -33,6 +33,7 @@ mod monte_carlo;
 mod paired;
 mod pose_by_pose;
 mod quantile;
+mod sample_kernels;
 mod search;
 mod side_by_side;
 mod staying;
@@ -51,8 +52,8 @@ pub use draw::{Distribution, Draws, NODES};
 pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures, drawn_positions};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
-    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
-    columns, remove_motion, squares,
+    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, by_joint, columns,
+    remove_motion, squares,
 };
 pub use monte_carlo::Statistic;
 pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};

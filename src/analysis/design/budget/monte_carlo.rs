@@ -1,7 +1,5 @@
 //! Drawn machines: the error of each over all poses, and the effect of each tolerance on it.
 
-use super::bounds::Bound;
-use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, squares};
 use super::quantile::rank;
 use crate::run::Advance;
@@ -31,14 +29,18 @@ impl Statistic {
 
     /// Returns the pose that attains it, with the value there; of equal ones the first.
     pub fn pose_with_value(self, values: &[f64]) -> (usize, f64) {
-        let mut indices: Vec<usize> = (0..values.len()).collect();
-        let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]).then(b.cmp(a));
-        let place = match self {
-            Self::Max => values.len() - 1,
-            Self::P95 => rank(values.len(), 95) - 1,
+        let index = match self {
+            Self::Max => {
+                let larger = |i: usize, best: usize| values[i].total_cmp(&values[best]).is_gt();
+                (1..values.len()).fold(0, |best, i| if larger(i, best) { i } else { best })
+            }
+            Self::P95 => {
+                let mut indices: Vec<usize> = (0..values.len()).collect();
+                let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]).then(b.cmp(a));
+                *indices.select_nth_unstable_by(rank(values.len(), 95) - 1, order).1
+            }
         };
-        let (_, index, _) = indices.select_nth_unstable_by(place, order);
-        (*index, values[*index])
+        (index, values[index])
     }
 }
 
@@ -54,35 +56,43 @@ pub struct DrawnMachine {
     pub parts: Vec<f64>,
 }
 
-/// Returns the drawn machines with these indices; the same to the bit on any number of threads, and for any range that
-/// they lie in.
-pub fn draw<F: Send>(
-    poses: &[BudgetPose],
+/// Returns the drawn machines with these indices at each list of poses; the same to the bit on any number of threads,
+/// and for any range that they lie in. `chunk_at` gives the chunk of machines that begins with an index.
+pub fn draw<F: Send, const N: usize>(
+    places: [&[BudgetPose]; N],
     joints: &[JointBounds],
-    bounds: &[Bound],
-    draws: &Draws,
+    chunk_at: &(dyn Fn(usize) -> SampleChunk + Sync),
     statistic: Statistic,
     samples: Range<usize>,
     progress: Advance<'_, F>,
-) -> Result<Vec<DrawnMachine>, F> {
+) -> Result<[Vec<DrawnMachine>; N], F> {
+    let count_bounds = joints.iter().map(|joint| joint.location.len() + joint.component.len()).sum();
     let chunk = |index: usize| {
         let first = samples.start + index * SAMPLE_LANES;
-        let chunk = SampleChunk::new(joints, bounds, draws, first);
-        let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
+        let chunk = chunk_at(first);
+        let removed = chunk.removed_by_source(joints);
         let count = SAMPLE_LANES.min(samples.end - first);
-        progress(count)?;
-        let sample = |lane: usize| {
-            let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
-            let (pose, square) = statistic.pose_with_value(&column);
-            let value = square.sqrt();
-            let vectors = poses[pose].parts(&chunk, joints, lane, bounds.len());
-            DrawnMachine { value, parts: parts(&vectors, poses[pose].constant_deviation()) }
+        let of = |poses: &[BudgetPose]| {
+            let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
+            progress(count)?;
+            let sample = |lane: usize| {
+                let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
+                let (pose, square) = statistic.pose_with_value(&column);
+                let value = square.sqrt();
+                let vectors = poses[pose].parts(&chunk, &removed, joints, lane, count_bounds);
+                DrawnMachine { value, parts: parts(&vectors, poses[pose].constant_deviation()) }
+            };
+            Ok((0..count).map(sample).collect::<Vec<_>>())
         };
-        Ok((0..count).map(sample).collect::<Vec<_>>())
+        places.iter().map(|poses| of(poses)).collect::<Result<Vec<_>, F>>()
     };
-    let chunks: Vec<Vec<DrawnMachine>> =
+    let chunks: Vec<Vec<Vec<DrawnMachine>>> =
         (0..samples.len().div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect::<Result<_, F>>()?;
-    Ok(chunks.into_iter().flatten().collect())
+    let mut drawn = std::array::from_fn(|_| Vec::with_capacity(samples.len()));
+    for chunk in chunks {
+        drawn.iter_mut().zip(chunk).for_each(|(list, machines): (&mut Vec<DrawnMachine>, _)| list.extend(machines));
+    }
+    Ok(drawn)
 }
 
 /// Returns the components of vectors along their sum, in which a fixed vector is too.

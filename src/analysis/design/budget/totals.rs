@@ -2,12 +2,12 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{BoundEffects, BudgetPose, JointBounds, by_joint_without, length};
+use super::kernel::{BoundEffects, BudgetPose, JointBounds, SampleChunk, by_joint_without, length};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, mean};
 use super::search::{Objective, VolumeSearch, exceeds, is_closed};
 use super::staying::{ActingErrors, StayingErrors};
-use super::worst::{longest, longest_by_ascent};
+use super::worst::{longest, longest_by_ascent, upper_bound};
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Field, Poses, Random};
 use crate::lower::Quantity;
@@ -149,8 +149,7 @@ pub fn draw_samples(
     progress: Advance<'_>,
 ) -> Result<DrawnSamples, Cancelled> {
     let joints = by_joint_without(request.machine, request.bounds, request.reference);
-    let of = |quantity| samples_at(&request, &joints, &effects(&request, &joints, quantity), samples.clone(), progress);
-    Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
+    samples_at(&request, &joints, &effects_of_both(&request, &joints), samples, progress)
 }
 
 /// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
@@ -166,9 +165,14 @@ pub fn budget_from_samples(
     progress: Advance<'_>,
 ) -> Result<Budget, Cancelled> {
     let joints = by_joint_without(request.machine, request.bounds, request.reference);
-    let (of_position, of_rotation) = drawn.map(|drawn| (drawn.position, drawn.rotation)).unzip();
-    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, of_position, progress)?;
-    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, of_rotation, progress)?;
+    let places = effects_of_both(&request, &joints);
+    let drawn = match drawn {
+        Some(drawn) => drawn,
+        None => samples_at(&request, &joints, &places, 0..request.samples, progress)?,
+    };
+    let [at_position, at_rotation] = &places;
+    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, at_position, drawn.position);
+    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, at_rotation, drawn.rotation);
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
         contributions(&budget_pose.extremes(&joints, request.bounds, request.draws).lengths)
@@ -205,26 +209,32 @@ pub(super) fn effects(request: &Request<'_>, joints: &[JointBounds], quantity: Q
     })
 }
 
+fn effects_of_both(request: &Request<'_>, joints: &[JointBounds]) -> [Vec<BudgetPose>; 2] {
+    [Quantity::Position, Quantity::Rotation].map(|quantity| effects(request, joints, quantity))
+}
+
 fn samples_at(
     request: &Request<'_>,
     joints: &[JointBounds],
-    poses: &[BudgetPose],
+    places: &[Vec<BudgetPose>; 2],
     samples: Range<usize>,
     progress: Advance<'_>,
-) -> Result<Vec<DrawnMachine>, Cancelled> {
-    monte_carlo::draw(poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
+) -> Result<DrawnSamples, Cancelled> {
+    let chunk_at = |first: usize| SampleChunk::new(joints, request.bounds, request.draws, first);
+    let places = places.each_ref().map(Vec::as_slice);
+    let [position, rotation] = monte_carlo::draw(places, joints, &chunk_at, request.statistic, samples, progress)?;
+    Ok(DrawnSamples { position, rotation })
 }
 
 fn totals(
     request: &Request<'_>,
     joints: &[JointBounds],
     quantity: Quantity,
-    drawn: Option<Vec<DrawnMachine>>,
-    progress: Advance<'_>,
-) -> Result<(Totals, Extremes, BoundEffects), Cancelled> {
-    let Request { machine, bounds, poses, samples, draws, reference, .. } = *request;
+    budget_poses: &[BudgetPose],
+    mut drawn: Vec<DrawnMachine>,
+) -> (Totals, Extremes, BoundEffects) {
+    let Request { machine, bounds, poses, draws, reference, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let budget_poses = effects(request, joints, quantity);
     let extremes: Extremes = budget_poses.par_iter().map(|pose| pose.extremes(joints, bounds, draws)).collect();
     let (worst, mut worst_case) = worst_of(&extremes, if reference.is_some() { longest_by_ascent } else { longest });
     let sums: Vec<f64> = extremes.iter().map(BoundEffects::rss).collect();
@@ -250,10 +260,6 @@ fn totals(
         lengths.truncate(bounds.len());
         at_rss = BoundEffects { lengths, vectors, staying };
     }
-    let mut drawn = match drawn {
-        Some(drawn) => drawn,
-        None => samples_at(request, joints, &budget_poses, 0..samples, progress)?,
-    };
     let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -269,7 +275,7 @@ fn totals(
         drawn: in_order,
         sorted,
     };
-    Ok((totals, extremes, at_rss))
+    (totals, extremes, at_rss)
 }
 
 /// Returns the root of the sum of squares.
@@ -306,6 +312,10 @@ fn worst_of(extremes: &Extremes, longest: fn(&[[f64; 3]]) -> f64) -> (usize, f64
     for index in order {
         if upper[index] < best.1 * (1.0 - SINGLE) {
             break;
+        }
+        // Passed over before the search: it would find nothing longer.
+        if upper_bound(&extremes[index].vectors) <= best.1 {
+            continue;
         }
         let length = longest(&extremes[index].vectors);
         if exceeds(length, best.1) {

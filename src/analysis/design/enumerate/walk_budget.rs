@@ -5,8 +5,8 @@
 
 use super::side_draws::SideDraws;
 use crate::analysis::design::budget::{
-    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleLanes, SourceEffects, Statistic, add, columns,
-    remove_motion, squares,
+    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleLanes, SourceEffects, Statistic, columns, remove_motion,
+    squares,
 };
 use crate::analysis::reference::{PartReference, ReferencePoint, tip_at};
 use crate::lower::{Quantity, SideWeights, twists};
@@ -200,7 +200,7 @@ impl PoseMaps {
         let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk, drawn)).collect();
         let mut last = NONE;
         let spindle = drawn.spindle();
-        add(&self.spindle, drawn.chunk(chunk, spindle, Branch::Tool).location(spindle), &mut last);
+        drawn.chunk(chunk, spindle, Branch::Tool).add_location(spindle, &self.spindle, &mut last);
         // Tool-side joints are added up from the tool, table-side ones from the workpiece.
         let mut all = vec![last];
         for [tool, _] in sides.iter().rev() {
@@ -222,14 +222,14 @@ impl JointMaps {
     fn deviations(&self, chunk: usize, drawn: &SideDraws) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
         let of = Branch::BOTH.map(|branch| drawn.chunk(chunk, self.drawn, branch));
-        add(&self.location[0], of[0].location(self.drawn), &mut sides[0]);
+        of[0].add_location(self.drawn, &self.location[0], &mut sides[0]);
         if self.alike {
             sides[1] = sides[0];
         } else {
-            add(&self.location[1], of[1].location(self.drawn), &mut sides[1]);
+            of[1].add_location(self.drawn, &self.location[1], &mut sides[1]);
         }
         for i in 0..2 {
-            add(&self.component[i], &of[i].component(self.drawn, self.point[i]), &mut sides[i]);
+            of[i].add_component(self.drawn, self.point[i], &self.component[i], &mut sides[i]);
         }
         sides
     }
