@@ -163,8 +163,7 @@ impl Draws {
 
     /// Returns a location error of a sample, as a fraction of its tolerance.
     pub fn constant(&self, error: &impl Display, sample: usize) -> f64 {
-        let [fraction] = self.constants(error, sample);
-        fraction
+        self.constants::<1>(error, sample)[0]
     }
 
     /// Returns a location error of samples `first..first + N`, as fractions of its tolerance.

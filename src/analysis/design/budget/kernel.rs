@@ -173,9 +173,13 @@ impl JointSamples {
 
     /// Returns the samples times the tolerances of their bounds.
     fn times(&self, joint: &JointBounds, bounds: &[Bound]) -> Self {
-        let of = |sources: &[DrawnSource], values: &[SampleLanes]| {
+        let of = |sources: &[DrawnSource], values: &Vec<SampleLanes>| {
+            let mut values = values.clone();
             let tolerances = sources.iter().map(|source| bounds[source.bound].tolerance).cycle();
-            values.iter().zip(tolerances).map(|(lanes, tolerance)| lanes.map(|x| tolerance * x)).collect()
+            for (lanes, tolerance) in values.iter_mut().zip(tolerances) {
+                lanes.iter_mut().for_each(|x| *x *= tolerance);
+            }
+            values
         };
         Self { location: of(&joint.location, &self.location), nodes: of(&joint.component, &self.nodes) }
     }

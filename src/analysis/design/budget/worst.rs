@@ -42,9 +42,8 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     best
 }
 
-/// Returns a length that no sum exceeds. Along a unit vector u the longest sum has the height sum |v u|, whose square is
-/// at most sum |v| times sum (v u)^2 / |v| (Cauchy, Schwarz): a quadratic form of u, of which the largest eigenvalue
-/// counts.
+/// Returns a length that no sum exceeds. Along a unit vector u the longest sum has the height sum |v u|. Its square is
+/// at most sum |v| times sum (v u)^2 / |v| (Cauchy, Schwarz): a quadratic form of u, whose largest eigenvalue counts.
 pub fn upper_bound(vectors: &[[f64; 3]]) -> f64 {
     let (mut total, mut form) = (0.0, Matrix3::zeros());
     for v in vectors.iter().map(|v| Vector3::from(*v)) {
