@@ -33,9 +33,11 @@ fn a_machine_file_in_place_of_a_verb_is_answered_by_verbs() {
 
 #[test]
 fn an_unknown_target_has_one_text() {
+    let folder = Folder::new("no-target");
     for (name, help) in [("linuxnc", "did you mean `linuxcnc`?"), ("foo", "known here: `linuxcnc`")] {
         let (code, listed) = refused(&["targets", name]);
-        let compiled = refused(&["compile", "trunnion.yaml", "--target", name, "--dry-run"]).1;
+        let out = folder.file("never");
+        let compiled = refused(&["compile", "trunnion.yaml", "--target", name, "--out", text(&out)]).1;
         assert!(code == 1 && listed.contains(&format!("there is no target `{name}`")), "{listed}");
         assert!(listed.contains(help) && compiled.contains(listed.trim()), "{listed}\n{compiled}");
     }
