@@ -16,6 +16,7 @@
 //! - [`mod@reference`]: the rigid motion of the part that its set-up takes out of deviations; `minimum_zone`: the one
 //!   that leaves the smallest largest deviation.
 //! - [`zone`]: geometrical characteristics of features, as functions of the deviations at their points.
+//! - [`mod@touch_route`]: the way of a touch probe around balls, and what it keeps clear of.
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;
@@ -26,6 +27,7 @@ mod inverse;
 mod minimum_zone;
 mod path;
 pub mod reference;
+pub mod touch_route;
 mod uncertainty;
 mod volume;
 pub mod zone;

@@ -67,6 +67,7 @@ pub use crate::identify::second::{
     JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
     SetUpValue,
 };
+pub use crate::identify::{BallCentre, OutlierTouch, ProbeLobing, TouchImport};
 pub use crate::job::characteristics::{CharacteristicPart, CharacteristicResult, DrawnCharacteristic};
 pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::limit::LimitVerdict;
@@ -91,6 +92,7 @@ pub use crate::report::imported::{
     ImportFinding, ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial,
     StraightnessReference,
 };
+pub use crate::report::measuring_program::{MeasuredSet, MeasuringProgram};
 pub use crate::report::page::RenderedPage;
 pub use crate::report::positioning::{
     AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget, StatedContributors,

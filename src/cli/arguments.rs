@@ -27,7 +27,7 @@ pub(super) mod help {
     pub(in crate::cli) const TYPE_B: &str = "A standard uncertainty that all readings share: `laser 0.4 um/m`, \
          `set-up 2 um`, `material 0.5 K x 11.7 um/m/K`. May be repeated";
     pub(in crate::cli) const OUT: &str =
-        "Write the result here: a file, of `compile`, `record` and `testpiece` a folder";
+        "Write the result here: a file, of `compile`, `measure`, `record` and `testpiece` a folder";
     pub(in crate::cli) const ACCEPT: &str = "Take on your word what is refused or left out: `suspect` takes readings \
                                              that accuse themselves; of `identify` `undetermined` what the data do not \
                                              determine";

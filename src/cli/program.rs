@@ -4,7 +4,8 @@ use super::global::{Global, Outcome};
 use super::output::session::Session;
 use super::verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
-    import, init, instrument, locate, man, map, reach, record, report, show, targets, testpiece, verify, workbench,
+    import, init, instrument, locate, man, map, measure, reach, record, report, show, targets, testpiece, verify,
+    workbench,
 };
 use super::{confined, threads};
 use clap::error::{ContextKind, ContextValue};
@@ -51,7 +52,10 @@ pub(super) enum Verb {
     Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
-    /// A single-axis measurement as an instrument exports it, to a table of error curves.
+    /// A program for LinuxCNC that touches balls in poses of the rotary axes.
+    Measure(measure::Args),
+    /// A single-axis measurement as an instrument exports it, to a table of error curves; the log of a touch probe, to
+    /// touches of balls.
     Import(import::Args),
     /// Figures of ISO 230-3, 230-4 and 230-7 from readings of a test.
     Figures(figures::Args),
@@ -162,6 +166,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Figures(args) => figures::run(session, &args),
+        Verb::Measure(args) => measure::run(session, &args),
         Verb::Import(args) => import::run(session, &args),
         Verb::Locate(args) => locate::run(session, &args),
         Verb::Init(args) => init::run(session, &args),

@@ -25,7 +25,7 @@ pub use certificate::{
     Certificate, CompensationDegree, ControllerEffect, Depth, Figures, Judgement, ProgrammingFigures, ROUNDING_UM,
     RaisedFigure, SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, figures, judge_by, micro,
 };
-pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
+pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, ProgramManifest, ProgramWords, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
 pub use manifest::{

@@ -12,10 +12,12 @@
 //! 7. [`fitted_file()`]: the fitted machine as a self-contained machine file.
 //! 8. `second`: a second measurement, with the compensation in force, against what was predicted.
 //!
-//! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, and [`plan()`] proposes
+//! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, [`import_touches`] touches
+//! of balls, and [`plan()`] proposes
 //! the poses of a measurement with its expected uncertainties. `thresholds` holds every number that decides what a fit
 //! says.
 
+mod balls;
 mod data;
 mod fitted_file;
 mod lists;
@@ -27,6 +29,7 @@ mod thresholds;
 pub(crate) mod verdict;
 mod words;
 
+pub use balls::{BallCentre, OutlierTouch, ProbeLobing, TouchCoordinates, TouchImport, TouchRequest, import_touches};
 pub(crate) use data::COMPONENTS;
 pub(crate) use data::lever;
 pub(crate) use data::taken_together;

@@ -533,3 +533,33 @@ pub const MAX_NAMED_UNCERTAINTY: f64 = 0.08;
 pub const MIN_JUDGED_SHARE: f64 = 1e-6;
 /// Largest number of readings of a second measurement.
 pub const MAX_SECOND_READINGS: usize = 20_000;
+
+// Touches of balls.
+
+/// Distance (mm) of a touch from the one before up to which both are of one place: a fast touch stops some 0.1 mm off
+/// at most, and touches of a ball are millimetres apart.
+pub const SAME_TOUCH_MM: f64 = 0.2;
+/// Robust standard deviations from which on a touch is an outlier, as of runs of single-axis readings. Below: balls
+/// that are not round are refused; above: shafts that touched by some micrometres pass.
+pub const MAX_TOUCH_DEVIATIONS: f64 = 9.0;
+/// Size (mm) below which a touch is no outlier: no ball is rounder, and perfect data have no scatter.
+pub const MIN_TOUCH_OUTLIER_MM: f64 = 1e-3;
+/// Distance (mm) inside the ball from which on a touch is a miss: a probe that meets a ball stops before.
+pub const MIN_MISS_MM: f64 = 0.5;
+/// Share of the touches of which outliers are looked for.
+pub const MAX_TOUCH_OUTLIERS: f64 = 0.1;
+/// Upper quartile of the size of a normal deviate.
+pub const NORMAL_QUARTILE: f64 = 1.1503;
+/// Scatter (mm) of the places of one ball over its poses above which the log is not of this machine file. Below:
+/// machines whose rotary axes are known to a millimetre are refused; above: a wrong tool passes.
+pub const MAX_PLACE_SCATTER_MM: f64 = 2.0;
+/// Scatter in other coordinates, or with another tool length, over that scatter, that explains it.
+pub const MAX_EXPLAINED_SCATTER: f64 = 0.1;
+/// Mean square of the difference of tool axes over the poses below which they tell no length.
+pub const MIN_AXIS_SPREAD: f64 = 1e-2;
+/// Distance (mm) up to which centres without a name are of one ball.
+pub const SAME_BALL_MM: f64 = 5.0;
+/// Chi-square of two degrees of freedom that chance exceeds once in a thousand: the lobing is there.
+pub const MIN_LOBING_CHI_SQUARE: f64 = 13.8;
+/// Standard uncertainty of the lobing over that before the touches, above which they do not tell it.
+pub const MAX_LOBING_SHARE: f64 = 0.5;

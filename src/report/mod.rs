@@ -10,10 +10,12 @@
 //!   [`DiagonalPicture`]: what instruments read.
 //! - [`chain_picture`], [`chain_dot`], [`zero_pose_picture`]: the kinematic chain.
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.
+//! - [`measuring_program`]: the program of a touch probe, from templates.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
 pub(crate) mod fit_planes;
 pub mod imported;
+pub mod measuring_program;
 pub mod page;
 mod pictures;
 pub mod plane_picture;

@@ -9,19 +9,19 @@ use crate::api::map_tables::MapTable;
 use crate::api::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
     ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
-    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, PlacementResult,
-    RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
-    TestPiece,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MeasuringProgram, MonomialFit,
+    PlacementResult, RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary,
+    TestFigures, TestPiece, TouchImport,
 };
 use crate::api::starter::Starter;
 use crate::api::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
     DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
-    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlacementOptions, PlanOptions,
-    ReachOptions, RecordOptions, Run, TestPieceOptions, VerifyOptions, budget, budget_part, check, check_record,
-    classify, compare, compile, compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain,
-    figures, fit_monomials, identify, import, instrument, locate, map_tables, place, plan_measurements, reach, record,
-    record_trend, schema, show, starter, targets, testpiece, verify,
+    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, MeasureOptions, PlacementOptions,
+    PlanOptions, ReachOptions, RecordOptions, Run, TestPieceOptions, TouchOptions, VerifyOptions, budget, budget_part,
+    check, check_record, classify, compare, compile, compile_composed, convert, diff, diff_machines, enumerate,
+    equations, eval, explain, figures, fit_monomials, identify, import, import_touches, instrument, locate, map_tables,
+    measure, place, plan_measurements, reach, record, record_trend, schema, show, starter, targets, testpiece, verify,
 };
 use crate::controller::LOCK_NAME;
 use crate::report::RowFormat;
@@ -88,7 +88,7 @@ pub struct Verb {
 }
 
 /// All verbs.
-pub static VERBS: [Verb; 32] = [
+pub static VERBS: [Verb; 34] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
         Ok(answer(eval(request.machine()?, &request.options()?, run)?).0)
     }),
@@ -129,6 +129,16 @@ pub static VERBS: [Verb; 32] = [
     of::<ImportOptions, ImportResult>("import_readings", &["table.csv"], |request, run| {
         let (answer, result) = answer(import(request.path(0)?, &request.options()?, run)?);
         Ok(answer.text("table.csv", result.table))
+    }),
+    of::<TouchOptions, TouchImport>("import_touches", &["table.csv"], |request, run| {
+        let (machine, path) = (request.machine()?, request.path(0)?);
+        let (answer, result) = answer(import_touches(machine, path, &request.options()?, run)?);
+        Ok(answer.text("table.csv", result.table))
+    }),
+    of::<MeasureOptions, MeasuringProgram>("measure", &[], |request, run| {
+        let (machine, path) = (request.machine()?, request.path(0)?);
+        let (answer, program) = answer(measure(machine, path, &request.options()?, run)?);
+        Ok(VerbAnswer { files: program.files, ..answer })
     }),
     of::<FiguresOptions, TestFigures>("figures", &["figures.svg"], |request, run| {
         let (answer, result) = answer(figures(request.path(0)?, &request.options()?, run)?);

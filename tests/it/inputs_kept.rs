@@ -38,7 +38,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 23] = [
+const VERBS: [Verb; 24] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -107,6 +107,12 @@ const VERBS: [Verb; 23] = [
         arguments: &["import", "runs.END", "--columns", "columns.END"],
         inputs: &["runs", "columns"],
         outputs: &["--out", "--svg"],
+    },
+    Verb {
+        name: "import of touches",
+        arguments: &["import", "touches.END", "--machine", "turning.END"],
+        inputs: &["turning", "touches"],
+        outputs: &["--out"],
     },
     Verb { name: "figures", arguments: &["figures", "circle", "circle.END"], inputs: &["circle"], outputs: &["--svg"] },
     Verb {
@@ -272,6 +278,10 @@ fn sources(folder: &Folder, ending: &str) {
     );
     write("points", "point;X;Y;Z\nP1;0;0;0\nP2;200;0;0\nP3;400;10;0\nP4;200;100;0\nP5;300;100;50\nP6;50;20;90\n");
     write("where", "point,X,Y,Z\nP1,0,0,0\nP2,200,0,0\nP3,400,10,0\nP4,200,100,0\nP5,300,100,50\nP6,50,20,90\n");
+    let contact = |(n, [x, y, z]): (usize, [i32; 3])| format!("touch b p {n} {} {} {z} 0 1\n", 200 + x, 200 + y);
+    let around = [[0, 0, 9], [9, 0, 0], [0, 9, 0], [-9, 0, 0], [0, -9, 0]];
+    let contacts: String = (1..).zip(around).map(contact).collect();
+    write("touches", &format!("abbe touches 1\naxes X Y Z C\nsets 1\nbegin b p\n{contacts}end b p\n"));
     write("circle", "angle [deg],ccw [um]\n0,1\n90,2\n180,1\n270,2\n");
     write("runs", "Kanal 0;Kanal 1\n0;0\n100;2\n200;4\n");
     write(

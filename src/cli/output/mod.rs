@@ -17,4 +17,5 @@ pub(super) mod progress;
 pub(super) mod ranking;
 pub(super) mod session;
 pub(super) mod tolerance_goal;
+pub(super) mod touch_report;
 pub(super) mod view;

@@ -1,15 +1,17 @@
-//! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
+//! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves; the log of a touch
+//! probe, to touches of balls.
 
-use crate::cli::arguments::{PictureFile, help, svg};
+use crate::cli::arguments::{PictureFile, ToolArg, counts, help, svg};
 use crate::cli::output::session::Session;
+use crate::cli::output::touch_report;
 use crate::cli::output::view::{hide, table};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use abbe::options::{Acceptance, FileContents, RunApproach, StraightnessLine};
+use abbe::options::{Acceptance, FileContents, RunApproach, StraightnessLine, TouchCoordinates};
 use abbe::results::{ImportResult, ImportedError, OneWayAccuracy};
 use abbe::text::{NOT_VERIFIED, counted, significant};
-use abbe::{ImportOptions, import};
-use std::path::PathBuf;
+use abbe::{ImportOptions, TouchOptions, import, import_touches};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -64,14 +66,47 @@ pub(crate) struct Args {
     uncertainty: Vec<String>,
     #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', help = help::ACCEPT)]
     accept: Vec<Acceptance>,
+    /// The file is a log of touches of balls on this machine: read centres, and write the touches for `identify`.
+    #[arg(long = "machine", value_name = "MACHINE", conflicts_with_all = NOT_OF_TOUCHES)]
+    machine: Option<PathBuf>,
+    /// Touches of a ball in a pose, of a probe file, which does not name them (4 to 1000) [default: 8].
+    #[arg(long, value_name = "N", requires = "machine", value_parser = counts(4..=1000))]
+    touches: Option<usize>,
+    /// The meaning of X, Y, Z in a log of touches [default: what the log states, else joints].
+    #[arg(long, value_enum, value_name = "WHICH", requires = "machine")]
+    coordinates: Option<TouchCoordinates>,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
         long_help = "Draw the runs with their means and bands of 2 s, as SVG unless the file ends in .png")]
     svg: Option<PictureFile>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the table to this file")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
+/// Options of single-axis readings.
+const NOT_OF_TOUCHES: [&str; 15] = [
+    "axis",
+    "error",
+    "unit",
+    "holds",
+    "correction",
+    "runs",
+    "beam",
+    "vertical",
+    "columns",
+    "continuous",
+    "line",
+    "keep_line",
+    "material",
+    "uncertainty",
+    "svg",
+];
+
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    if let Some(machine) = &args.machine {
+        return touches(session, args, machine);
+    }
     let options = ImportOptions {
         axis: args.axis.clone(),
         error: args.error.clone(),
@@ -100,6 +135,22 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         file.write(&result.picture(), session)?;
     }
     session.show(&result, || result.table.clone(), || text(&result))
+}
+
+/// Reads a log of touches.
+fn touches(session: &mut Session, args: &Args, machine: &Path) -> Outcome {
+    let file = session.load(machine, args.tool.name())?;
+    write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
+    let options = TouchOptions {
+        touches: args.touches.unwrap_or(TouchOptions::default().touches),
+        coordinates: args.coordinates,
+        accept: args.accept.clone(),
+    };
+    let result = session.take(import_touches(&file, &args.file, &options, session.run()))?;
+    if let Some(out) = &args.out {
+        write::write_whole(out, result.table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
+    }
+    session.show(&result, || result.table.clone(), || touch_report::text(&result))
 }
 
 fn text(result: &ImportResult) -> String {

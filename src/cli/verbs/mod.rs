@@ -19,6 +19,7 @@ pub(super) mod instrument;
 pub(super) mod locate;
 pub(super) mod man;
 pub(super) mod map;
+pub(super) mod measure;
 pub(super) mod reach;
 pub(super) mod record;
 pub(super) mod report;

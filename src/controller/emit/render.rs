@@ -120,7 +120,7 @@ impl ControllerTarget {
                     beside => beside.clone(),
                         ..own.clone()
                 };
-                render_file(&writer.environment, spec, template, context)
+                render_file(&writer.environment, &spec.path, template, context)
             };
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
             let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, TemplateFailure>>()?;
@@ -158,11 +158,11 @@ impl ControllerTarget {
         spec: &FileSpec,
     ) -> Result<Vec<(usize, String)>, TemplateFailure> {
         let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        letters.iter().map(|known| Ok((known.axis, file_name(spec, name_context(machine, known))?))).collect()
+        letters.iter().map(|known| Ok((known.axis, file_name(&spec.path, name_context(machine, known))?))).collect()
     }
 }
 
-fn environment() -> Environment<'static> {
+pub(super) fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(FUEL));
@@ -176,7 +176,7 @@ fn environment() -> Environment<'static> {
 }
 
 /// Refuses a name that two files have.
-fn check_names(files: Vec<RenderedFile>) -> Result<Vec<RenderedFile>, TemplateFailure> {
+pub(super) fn check_names(files: Vec<RenderedFile>) -> Result<Vec<RenderedFile>, TemplateFailure> {
     let mut names = BTreeSet::from([LOCK_NAME]);
     let taken = files.iter().find(|file| !names.insert(file.name.as_str()));
     match taken.map(|file| file.name.clone()) {
@@ -201,14 +201,14 @@ fn name_context(machine: &Machine, known: &AssignedAxis) -> Value {
 }
 
 /// Renders the name of a file: expressions without filters and functions.
-fn file_name(spec: &FileSpec, own: Value) -> Result<String, TemplateFailure> {
+fn file_name(path: &str, own: Value) -> Result<String, TemplateFailure> {
     let mut environment = Environment::empty();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(NAME_FUEL));
     mark_not_finite(&mut environment);
-    let name = environment.render_str(&spec.path, own)?;
+    let name = environment.render_str(path, own)?;
     if name.contains(NOT_FINITE) {
-        return Err(TemplateFailure::NotFinite(spec.path.clone()));
+        return Err(TemplateFailure::NotFinite(path.to_owned()));
     }
     if is_plain_name(&name) { Ok(name) } else { Err(TemplateFailure::Name(name)) }
 }
@@ -218,7 +218,7 @@ impl ControllerTarget {
     pub(crate) fn names_of_letters(&self, spec: &FileSpec, letters: &str) -> Vec<String> {
         let name = |(joint, letter): (usize, char)| {
             let own = context! { joint, letter => letter.to_string(), name => letter.to_string() };
-            file_name(spec, own).ok()
+            file_name(&spec.path, own).ok()
         };
         let places = 0..letters.len();
         let mut names: Vec<String> =
@@ -229,13 +229,13 @@ impl ControllerTarget {
     }
 }
 
-fn render_file(
+pub(super) fn render_file(
     environment: &Environment,
-    spec: &FileSpec,
+    path: &str,
     template: &str,
     context: Value,
 ) -> Result<RenderedFile, TemplateFailure> {
-    let name = file_name(spec, context.clone())?;
+    let name = file_name(path, context.clone())?;
     let compiled = environment.template_from_str(template)?;
     let mut text = BoundedText::default();
     match compiled.render_captured_to(context, &mut text) {
@@ -273,7 +273,7 @@ impl Writer<'_> {
     }
 
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, TemplateFailure> {
-        render_file(&self.environment, spec, template, context)
+        render_file(&self.environment, &spec.path, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {
@@ -296,7 +296,7 @@ impl Writer<'_> {
         let axis = &machine.axes()[*index];
         let (min, max) = self.limits(*index);
         let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
-        let file = per_axis.next().map(|spec| file_name(spec, name_context(machine, known))).transpose()?;
+        let file = per_axis.next().map(|spec| file_name(&spec.path, name_context(machine, known))).transpose()?;
         let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
         let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {

@@ -218,6 +218,12 @@ pub(super) fn columns(
     if forms.iter().any(|other| *other != form && !(*other == rotations && form.takes_rotations())) {
         return Err(HeaderFailure::MixedReadings);
     }
+    if form == RowForm::Ball && contents.iter().any(|content| matches!(content, Content::Normal(_))) {
+        // Touches of balls.
+        check_ends(&contents, RowForm::Touch)?;
+        check_weights(&contents, RowForm::Touch)?;
+        return Ok((columns, RowForm::Touch));
+    }
     check_ends(&contents, form)?;
     check_weights(&contents, form)?;
     check_positions(machine, &contents)?;

@@ -35,7 +35,9 @@ pub(super) enum HeaderFailure {
     PartOfStation,
     #[error("give all three of `tracker.x [mm]`, `tracker.y [mm]`, `tracker.z [mm]`")]
     PartOfPosition,
-    #[error("a touch needs `feature` and all three of `n.x`, `n.y`, `n.z`, the direction from it to the probe")]
+    #[error(
+        "a touch needs `feature` or `ball`, and all three of `n.x`, `n.y`, `n.z`, the direction from it to the probe"
+    )]
     PartOfTouch,
     /// A table of poses without a column of an axis.
     #[error("a table of poses has a column for each axis that moves")]

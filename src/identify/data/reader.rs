@@ -542,16 +542,18 @@ impl MeasurementReader<'_> {
             let in_tool = nominal.pose.linear.transpose() * normal;
             Touch { point: nominal.pose.translation, normal, in_tool, tool: draft.row.tool }
         };
-        let groups = runs(drafts, |draft| draft.feature.clone());
+        let is_ball = drafts.iter().any(|draft| !draft.ball.is_empty());
+        let word = if is_ball { "ball" } else { "feature" };
+        let groups = runs(drafts, |draft| if is_ball { draft.ball.clone() } else { draft.feature.clone() });
         let (mut features, mut list): (Vec<(String, Vec<usize>)>, Vec<Draft>) = (Vec::new(), Vec::new());
         for (name, drafts) in groups {
-            features.push((format!("{}feature{name}", self.file), (list.len()..list.len() + drafts.len()).collect()));
+            features.push((format!("{}{word}{name}", self.file), (list.len()..list.len() + drafts.len()).collect()));
             list.extend(drafts);
         }
         let touches: Vec<Touch> = list.iter().map(touch).collect();
         let (tools, file) = (self.machine.tools(), &self.file);
         let of_tool = |tool: usize| if tools.len() > 1 { format!(" {}", tools[tool].name) } else { String::new() };
-        let found = TouchUnknowns::of(&touches, &features, &of_tool);
+        let found = TouchUnknowns::of(&touches, &features, is_ball, &of_tool);
         let first = self.data.nuisances.len();
         let named = found.list.into_iter().map(|unknown| match unknown.name.starts_with("touch") {
             true => InstrumentUnknown { name: format!("{file}{}", unknown.name), ..unknown },

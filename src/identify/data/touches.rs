@@ -64,14 +64,19 @@ pub(super) fn beside_features<'m>(
 const MOTIONS: [&str; 6] = ["x", "y", "z", "A", "B", "C"];
 
 impl TouchUnknowns {
-    /// Finds the unknowns of touches, of which `features` are names and members; `tools` are the names of the tools in
-    /// use, by index, and empty if there is one.
-    pub fn of(touches: &[Touch], features: &[(String, Vec<usize>)], tool_name: &dyn Fn(usize) -> String) -> Self {
+    /// Finds the unknowns of touches, of which `features` are names and members, and balls if `are_balls`, which have
+    /// no rotation; `tool_name` gives the name of a tool by index, empty if there is one.
+    pub fn of(
+        touches: &[Touch],
+        features: &[(String, Vec<usize>)],
+        are_balls: bool,
+        tool_name: &dyn Fn(usize) -> String,
+    ) -> Self {
         let count = touches.len();
         let mut all = Self { list: Vec::new(), shares: vec![Vec::new(); count], nominal: vec![0.0; count] };
         let mut spans = Vec::new();
         for (name, members) in features {
-            spans.push(all.add_feature(touches, name, members));
+            spans.push(all.add_feature(touches, name, members, if are_balls { 3 } else { 6 }));
         }
         let mut tools: Vec<usize> = touches.iter().map(|touch| touch.tool).collect();
         tools.sort_unstable();
@@ -112,13 +117,13 @@ impl TouchUnknowns {
         shares.filter(|(_, share)| *share != 0.0).for_each(|(i, share)| self.shares[i].push((index, share)));
     }
 
-    /// Adds the displacement and rotation of a feature about the middle of its touches; returns the span of their
-    /// columns.
-    fn add_feature(&mut self, touches: &[Touch], name: &str, members: &[usize]) -> Columns {
+    /// Adds the displacement and rotation, or the first so many of these six motions, of a feature about the middle of
+    /// its touches; returns the span of their columns.
+    fn add_feature(&mut self, touches: &[Touch], name: &str, members: &[usize], motions: usize) -> Columns {
         let points = members.iter().map(|i| touches[*i].point);
         let middle = points.sum::<Vector3<f64>>() / members.len().max(1) as f64;
         let mut span = Columns::default();
-        for (k, letter) in MOTIONS.into_iter().enumerate() {
+        for (k, letter) in MOTIONS.into_iter().enumerate().take(motions) {
             let share = |i: &usize| {
                 let Touch { point, normal, .. } = &touches[*i];
                 if k < 3 { normal[k] } else { (point - middle).cross(normal)[k - 3] }
@@ -127,6 +132,8 @@ impl TouchUnknowns {
             let scale = if k < 3 { 1.0 } else { 1.0 / LEVER_MM };
             if span.add(&(DVector::from_column_slice(&shares) * scale)) {
                 self.push(format!("{name}.{letter}"), k >= 3, None, members.iter().copied().zip(shares));
+                // The distance of two balls, which may be known, counts from the places that they are displaced from.
+                self.list.last_mut().filter(|_| motions == 3).into_iter().for_each(|ball| ball.base = middle[k]);
             }
         }
         for i in members {
@@ -150,7 +157,7 @@ mod tests {
 
     fn names(list: &[([f64; 3], [f64; 3])]) -> Vec<String> {
         let of = [("f".to_owned(), (0..list.len()).collect())];
-        let found = TouchUnknowns::of(&touches(list), &of, &|_| String::new());
+        let found = TouchUnknowns::of(&touches(list), &of, false, &|_| String::new());
         found.list.into_iter().map(|unknown| unknown.name).collect()
     }
 

@@ -41,6 +41,7 @@ pub use suspicion::{Finding, FindingEffect, FindingKind};
 
 use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::identify::balls::TOUCH_LOG;
 use crate::syntax::Files;
 use crate::syntax::sheet::{SheetLine, read_sheet};
 use std::path::Path;
@@ -77,7 +78,12 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
 }
 
 fn read(lines: &[SheetLine], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    if let (None, Some(SheetLine { place, .. })) = (&wanted.columns, lines.first()) {
+    if let (None, Some(SheetLine { place, text, .. })) = (&wanted.columns, lines.first()) {
+        if text.trim() == TOUCH_LOG {
+            let message = "this is a log of touches of balls, of no machine yet".to_owned();
+            let help = "`abbe import LOG --machine MACHINE` reads it";
+            return Err(Box::new(sample::refusal(message, Some(place.clone())).help(help)));
+        }
         if laser_text::is(lines) {
             return laser_text::read(lines, place, wanted, path);
         }
