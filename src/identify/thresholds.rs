@@ -143,6 +143,8 @@ pub const MAX_MOTION_RESIDUAL: f64 = 1e-2;
 pub const MAX_UNNOTICED_SIZE_SHARE: f64 = 1e-3;
 /// Distance of points (mm) up to which readings say that points are the same, and hold no length.
 pub const SAME_POINT_MM: f64 = 1.0;
+/// Largest amount of an unknown in a stretch, over the displacements (RMS) that the stretch makes: levers make a few.
+pub const MAX_STRETCH_AMOUNT: f64 = 50.0;
 /// Part of a stretch, as a share, from which a parameter is named.
 pub const MIN_STRETCH_PARAMETER_SHARE: f64 = 0.05;
 /// Part of a stretch, as a share, from which a direction of it is named.
@@ -416,7 +418,7 @@ pub const MIN_SUSPECT_LIKELIHOOD: f64 = 20.0;
 /// times the noise, which leave form as well, pass.
 pub const MIN_SUSPECT_GAIN: f64 = 1.9;
 /// [`MIN_SUSPECT_GAIN`] of exchanges and signs alone, which of good data make nothing better.
-pub const MIN_EXCHANGE_GAIN: f64 = 1.1;
+pub const MIN_EXCHANGE_GAIN: f64 = 1.2;
 /// Scatter of one component, before over after, that is enough whatever the others say. Below: form in one direction
 /// is taken for a drift.
 pub const MIN_COMPONENT_GAIN: f64 = 2.5;

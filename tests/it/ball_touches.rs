@@ -106,8 +106,8 @@ impl Plant {
     }
 }
 
-fn table() -> (Folder, PathBuf, Plant) {
-    let folder = Folder::new("ball-touches");
+fn table(test: &str) -> (Folder, PathBuf, Plant) {
+    let folder = Folder::new(&format!("ball-touches-{test}"));
     let machine = sample(&folder.with("real.yaml", &table_table(OF_TABLES)));
     let plain = folder.with("plain.yaml", &table_table("  EX0C: 0 um\n"));
     let balls = &[[62.0, 31.0, 45.0], [-74.0, 22.0, 80.0], [11.0, -85.0, 60.0]];
@@ -184,7 +184,7 @@ fn farthest(found: &Value, sets: &[Set]) -> f64 {
 
 #[test]
 fn touches_tell_centres_the_probe_and_the_errors() {
-    for (kind, (folder, plain, plant), errors) in [("table", table(), OF_TABLES), ("head", head(), OF_HEADS)] {
+    for (kind, (folder, plain, plant), errors) in [("table", table("errors"), OF_TABLES), ("head", head(), OF_HEADS)] {
         let sets = plant.campaign(7, 0.5236, 3);
         let log = folder.with("touches.log", &log_of(&sets, numbers, "joints"));
         let out = folder.file("touches.csv");
@@ -243,7 +243,7 @@ fn touches_tell_centres_the_probe_and_the_errors() {
 /// The same contacts as a probe file, and as places of the tip through a nominal module.
 #[test]
 fn other_logs_of_the_same_contacts_give_the_same_joints() {
-    let (folder, plain, plant) = table();
+    let (folder, plain, plant) = table("logs");
     let sets = plant.campaign(7, 0.5236, 5);
     let joints = folder.with("joints.log", &log_of(&sets, numbers, "joints"));
     let out = folder.file("joints.csv");
@@ -287,7 +287,7 @@ fn other_logs_of_the_same_contacts_give_the_same_joints() {
 /// Four touches around each ball, at the same places, do not tell a lobing.
 #[test]
 fn four_touches_around_say_that_they_are_blind() {
-    let (folder, plain, plant) = table();
+    let (folder, plain, plant) = table("four");
     let log = folder.with("four.log", &log_of(&plant.campaign(4, 0.0, 7), numbers, "joints"));
     assert_eq!(import(&plain, &log, &[])["lobing"]["is_determined"], false);
     let said = abbe(&["import", text(&log), "--machine", text(&plain)]);
@@ -296,7 +296,7 @@ fn four_touches_around_say_that_they_are_blind() {
 
 #[test]
 fn spoiled_logs_are_refused_by_name() {
-    let (folder, plain, plant) = table();
+    let (folder, plain, plant) = table("spoiled");
     let sets = plant.campaign(7, 0.5236, 9);
     let good = log_of(&sets, numbers, "joints");
     let machine = text(&plain);
@@ -357,13 +357,28 @@ fn spoiled_logs_are_refused_by_name() {
     let again = folder.with("again.log", &again);
     let (exit, said) = refused(&["import", text(&again), "--machine", machine, "--format", "csv"]);
     assert!(exit == 0 && said.contains("1 attempt that broke off"), "{said}");
+}
+
+/// Logs of another machine, of other coordinates and of another tool.
+#[test]
+fn logs_of_something_else_are_refused_by_name() {
+    let (folder, plain, plant) = table("else");
+    let sets = plant.campaign(7, 0.5236, 9);
+    let good = log_of(&sets, numbers, "joints");
+    let machine = text(&plain);
+    let check = |name: &str, log: &str, code: &str, words: &[&str]| {
+        let file = folder.with(&format!("{name}.log"), log);
+        let (exit, said) = refused(&["import", text(&file), "--machine", machine]);
+        assert!(exit == 1 && said.contains(code) && words.iter().all(|word| said.contains(word)), "{name}: {said}");
+    };
+    let joints = folder.with("joints.log", &good);
     // Places of the tip for positions of the axes, and the other way round.
     let tip = |touch: &Touch| -> String {
         let place: String = (0..3).map(|k| format!(" {:.9}", touch.nominal[k])).collect();
         place + &touch.axes[3..].iter().map(|(_, q)| format!(" {q:.9}")).collect::<String>()
     };
     check("world", &log_of(&sets, tip, "joints"), "E0543", &["coordinates of the tip, not of the axes"]);
-    let (exit, said) = refused(&["import", text(&shaft), "--machine", machine, "--coordinates", "tip"]);
+    let (exit, said) = refused(&["import", text(&joints), "--machine", machine, "--coordinates", "tip"]);
     assert!(exit == 1 && said.contains("not those of `--coordinates`"), "{said}");
     let probe: Vec<String> = sets
         .iter()

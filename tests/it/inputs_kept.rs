@@ -38,7 +38,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 24] = [
+const VERBS: [Verb; 25] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],

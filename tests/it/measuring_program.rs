@@ -27,8 +27,8 @@ struct Shop {
     travels: Vec<(&'static str, f64, f64)>,
 }
 
-fn table() -> Shop {
-    let folder = Folder::new("measure-table");
+fn table(test: &str) -> Shop {
+    let folder = Folder::new(&format!("measure-table-{test}"));
     let plain = folder.with("plain.yaml", &table_table("  EX0C: 0 um\n"));
     Shop {
         machine: sample(&plain),
@@ -41,8 +41,8 @@ fn table() -> Shop {
     }
 }
 
-fn head() -> Shop {
-    let folder = Folder::new("measure-head");
+fn head(test: &str) -> Shop {
+    let folder = Folder::new(&format!("measure-head-{test}"));
     let plain = folder.with("plain.yaml", &head_head("  EX0C: 0 um\n"));
     Shop {
         machine: sample(&plain),
@@ -149,7 +149,7 @@ fn every_move_keeps_clear_and_every_touch_meets_its_ball() {
     if !available("rs274", "the measuring program") {
         return;
     }
-    for shop in [table(), head()] {
+    for shop in [table("moves"), head("moves")] {
         let (out, made) = shop.program("program", &shop.poses);
         let count = shop.poses.len() * 3;
         assert_eq!(made["sets"].as_array().unwrap().len(), count);
@@ -231,7 +231,7 @@ fn it_runs_dry_and_goes_on_where_it_broke_off() {
     if !available("rs274", "the measuring program") {
         return;
     }
-    let shop = head();
+    let shop = head("head");
     let (out, _) = shop.program("program", &shop.poses[2..3]);
     let calls = "o<abbe_find_1> call\no<abbe_set_1> call";
     let (wet, _) = shop.read(&out, &format!("o<abbe_start> call [1] [0]\n#<_abbe_1_found> = 1\no<abbe_set_1> call"));
@@ -272,7 +272,7 @@ fn it_runs_dry_and_goes_on_where_it_broke_off() {
 
 #[test]
 fn what_cannot_be_measured_is_refused_by_name() {
-    let shop = table();
+    let shop = table("table");
     let machine = text(&shop.plain).to_owned();
     let ask = |sets: &str, more: &[&str]| {
         let sets = shop.folder.with("ask.csv", sets);

@@ -1,7 +1,7 @@
 //! What newcomers type: files without a verb, lists for mappings, one text for one mistake, lines that can be copied.
 
 use super::first_hour::typed;
-use super::program::{Folder, abbe_on, available, refused, text};
+use super::program::{Folder, available, refused, text};
 use std::collections::BTreeMap;
 
 #[test]
@@ -75,7 +75,12 @@ fn answers_make_one_file_on_the_terminal_and_on_the_page() {
 fn lines_for_a_terminal_keep_commands_and_labels_whole() {
     let folder = Folder::new("lines");
     let part = folder.with("part.csv", "X,Y,Z,feature\n9000,0,100,a_feature_with_a_name\n0,0,100,top\n");
-    let map = abbe_on(1, &["map", "vmc-cframe-754.yaml", "--tool-poses", text(&part)]);
+    let map = std::process::Command::new(env!("CARGO_BIN_EXE_abbe"))
+        .args(["map", "vmc-cframe-754.yaml", "--tool-poses", text(&part)])
+        .current_dir(crate::configs::folder())
+        .env_remove("COLUMNS")
+        .output()
+        .unwrap();
     let told = String::from_utf8(map.stderr).unwrap();
     assert!(
         told.contains("note: the first of them: ") && told.lines().all(|line| line.chars().count() <= 80),

@@ -137,16 +137,14 @@ fn coefficients_have_the_uncertainty_of_the_pseudo_inverse() {
 fn options_that_coefficients_know_nothing_of_are_refused() {
     let (machine, data) = (format!("{EXAMPLE}machine.yaml"), format!("{EXAMPLE}phantom.csv"));
     let base = ["identify", &machine, "--data", &data, "--method", "moore-penrose"];
-    let idle: [&[&str]; 9] = [
+    let idle: [&[&str]; 7] = [
         &["--order", "exact"],
         &["--robust"],
         &["--folds", "3"],
         &["--range", "measured"],
-        &["--accept", "suspect"],
         &["--prior", "EC0Y 5 urad"],
         &["--type-b", "laser 0.4 um/m"],
         &["--noise", "1um"],
-        &["--accept-undetermined"],
     ];
     for options in idle {
         let output = run(&[&base[..], options].concat());

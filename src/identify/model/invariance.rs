@@ -196,7 +196,11 @@ impl MotionEquations {
         let stretched = volume.deformation(&volume.displacements_by(&maps));
         let found = self.without_rigid_motion(volume).invariant_combinations(&stretched);
         let acts = |made: &DVector<f64>| made.component_mul(&self.effects).amax() > MAX_MOTION_RESIDUAL * made.amax();
-        let acting = found.into_iter().filter(|(_, made)| acts(made));
+        // Unit length over the volume: errors beyond all measure make it by their products with other errors only.
+        let largest = MAX_STRETCH_AMOUNT / libm::sqrt(stretched.nrows() as f64);
+        // A shear keeps the volume: squareness that no reading holds, and no machine that shrinks.
+        let grows = |mix: &DVector<f64>| mix.rows(0, 3).sum().abs() > MIN_STRETCH_PART_SHARE * mix.amax();
+        let acting = found.into_iter().filter(|(mix, made)| acts(made) && made.amax() < largest && grows(mix));
         acting.map(|(mix, made)| (describe_stretch(&mix), parameter_names(&made, model.parameters()))).collect()
     }
 

@@ -144,7 +144,7 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
         let rescales = best.changes.iter().any(Change::rescales);
         let mut sigmas = null.sigmas.iter().zip(&best.sigmas);
         let of_one = !rescales && sigmas.any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
-        let enough = of_one || gain >= count * libm::log(least_gain(&best.changes));
+        let enough = of_one || gain >= count * libm::log(least_gain(&best.changes, of));
         enough && gain >= MIN_SUSPECT_LIKELIHOOD && by_form().is_none_or(|form| gain >= form)
     };
     let exchanges = || found.iter().filter(|one| one.changes.iter().all(Change::is_exchange)).collect::<Vec<_>>();
@@ -227,8 +227,10 @@ fn simplest<'a>(found: &[&'a Candidate], count: f64) -> Option<&'a Candidate> {
 }
 
 /// Returns the ratio of what is left without and with changes from which on they are named.
-fn least_gain(changes: &[Change]) -> f64 {
-    if changes.iter().all(Change::is_exchange) { MIN_EXCHANGE_GAIN } else { MIN_SUSPECT_GAIN }
+fn least_gain(changes: &[Change], of: &Circumstances<'_>) -> f64 {
+    // Rows that stand out are expected of a robust fit: what leaves them less far off is no exchange.
+    let exchanged = !of.robust && changes.iter().all(Change::is_exchange);
+    if exchanged { MIN_EXCHANGE_GAIN } else { MIN_SUSPECT_GAIN }
 }
 
 /// Fits the changed data as a whole; `None` if that leaves more than the sample promised.
@@ -237,7 +239,7 @@ fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Op
     let rescales = changes.iter().any(Change::rescales);
     let found = |left: f64| {
         // More than errors of a machine is a fit that ran away.
-        let explains = (rescales || left * least_gain(changes) <= of.after) && left < SUSPECT_PRIOR_MM;
+        let explains = (rescales || left * least_gain(changes, of) <= of.after) && left < SUSPECT_PRIOR_MM;
         explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
     };
     if changes.iter().any(Change::adds_unknowns) {
