@@ -56,6 +56,12 @@ VERBS = {
     "import_readings": Verb(
         "ImportResult", "Makes a table of error curves of a measurement as an instrument exports it.", words=("path",)
     ),
+    "import_touches": Verb(
+        "TouchImportResult",
+        "Reads what a touch probe logged at balls: touches for a fit, centres with their covariance.",
+        words=("path",),
+    ),
+    "measure": Verb("MeasureResult", "Writes the program of a controller that touches balls.", words=("sets",)),
     "figures": Verb(
         "FiguresResult", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)
     ),
@@ -319,7 +325,17 @@ FIELD_MODULES = {
     "deviations": ("eval", "map", "reach", "place", "compare"),
     "machines": ("show", "check", "classify", "convert", "diff", "equations"),
     "designs": ("budget", "enumerate", "report"),
-    "measurements": ("instrument", "identify", "fit_monomials", "plan", "locate", "import_readings", "figures"),
+    "measurements": (
+        "instrument",
+        "identify",
+        "fit_monomials",
+        "plan",
+        "locate",
+        "import_readings",
+        "import_touches",
+        "measure",
+        "figures",
+    ),
     "sets": ("compile", "verify", "diff_sets", "targets", "testpiece", "record", "record_trend", "check_record"),
 }
 

@@ -45,6 +45,7 @@ from ._results import (
     InstrumentResult,
     LocateResult,
     MapResult,
+    MeasureResult,
     MonomialResult,
     PlacementResult,
     PlanResult,
@@ -54,6 +55,7 @@ from ._results import (
     Result,
     SetDiffResult,
     TestPieceResult,
+    TouchImportResult,
     TrendResult,
 )
 
@@ -81,6 +83,7 @@ __all__ = [
     "LocateResult",
     "Machine",
     "MapResult",
+    "MeasureResult",
     "MonomialResult",
     "Named",
     "Place",
@@ -93,6 +96,7 @@ __all__ = [
     "Result",
     "SetDiffResult",
     "TestPieceResult",
+    "TouchImportResult",
     "TrendResult",
     "__version__",
     "check",

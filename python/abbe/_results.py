@@ -339,6 +339,18 @@ class ImportResult(_fields.ImportFields, Result):
         return self._texts["table.csv"]
 
 
+class TouchImportResult(_fields.TouchImportFields, Result):
+    """What a touch probe logged at balls. The table has a row for each ball and pose."""
+
+    __slots__ = ()
+    _table = "centres"
+
+    @property
+    def csv(self) -> str:
+        """The table of touches, as ``identify`` reads it."""
+        return self._texts["table.csv"]
+
+
 class EquationsResult(_fields.EquationsFields, Result):
     """Closed forms."""
 
@@ -399,6 +411,13 @@ class CompileResult(CertificateResult, Folder):
     """The files of a controller, with their certificate."""
 
     __slots__ = ()
+
+
+class MeasureResult(_fields.MeasureFields, Folder):
+    """The program that touches balls. The table has a row for each set of touches."""
+
+    __slots__ = ()
+    _table = "sets"
 
 
 class RecordResult(_fields.RecordFields, Folder):

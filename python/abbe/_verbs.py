@@ -25,6 +25,7 @@ from ._results import (
     InstrumentResult,
     LocateResult,
     MapResult,
+    MeasureResult,
     MonomialResult,
     PlacementResult,
     PlanResult,
@@ -33,6 +34,7 @@ from ._results import (
     ReportResult,
     SetDiffResult,
     TestPieceResult,
+    TouchImportResult,
     TrendResult,
 )
 
@@ -233,11 +235,30 @@ StraightnessLine = Literal["least-squares", "end-points"]
 #: A suspicion that a caller accepts.
 Acceptance = Literal["suspect"]
 
+#: The meaning of X, Y, Z in a log of touches.
+TouchCoordinates = Literal["joints", "tip"]
+
+#: The stylus and the body of the probe that holds it, mm.
+#: ``radius``: Radius of its ball, whose middle is the functional point.
+#: ``length``: From there to the body.
+#: ``shaft``: Radius of its shaft, less than that of the ball.
+#: ``body``: Radius of the body.
+Stylus = TypedDict(
+    "Stylus",
+    {
+        "radius": float,
+        "length": float,
+        "shaft": float,
+        "body": float,
+    },
+    total=False,
+)
+
 #: A test.
 StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
 
 #: A kind of test piece.
-TestPieceKind = Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979"]
+TestPieceKind = Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979", "box"]
 
 #: The motion of a rotary axis about Z along the circle of a tilted cone.
 ConeMotion = Literal["turn", "pole", "swing"]
@@ -376,6 +397,7 @@ class Verbs:
         seed: int = 1,
         path: bool | None = None,
         order: Order | None = None,
+        degree: int | None = None,
         reference: ReferenceOption | None = None,
         approach: Approach = "mean",
         frame: Frame = "workpiece",
@@ -400,6 +422,7 @@ class Verbs:
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
+        * ``degree``: Maps the part of this degree in the errors alone, 1 to 6, over a volume of a bare machine.
         * ``reference``: Motion that the part's set-up takes out of the deviations; by default the zero at the part's
           origin for tool poses, nothing for a volume.
         * ``approach``: Side of approach, where forward and reverse curves were given.
@@ -421,6 +444,7 @@ class Verbs:
             "seed": seed,
             "path": path,
             "order": order_of(order),
+            "degree": degree,
             "reference": reference,
             "approach": approach,
             "frame": frame,
@@ -835,7 +859,7 @@ class Verbs:
         * ``frame``: Frame in which the deviations were measured.
         * ``axis_poses``: The poses of points that a laser tracker's export has by name: a table with a column for each
           axis, and ``point``.
-        * ``order``: Model to fit: exact by default, or of order 1 or 2.
+        * ``order``: Model to fit: exact by default, or of order 1 or 2. Monomials are those of order 2 by default.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
         * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
@@ -906,7 +930,7 @@ class Verbs:
         * ``frame``: Frame in which the deviations were measured.
         * ``axis_poses``: The poses of points that a laser tracker's export has by name: a table with a column for each
           axis, and ``point``.
-        * ``order``: Model to fit: exact by default, or of order 1 or 2.
+        * ``order``: Model to fit: exact by default, or of order 1 or 2. Monomials are those of order 2 by default.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
         * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
@@ -1278,6 +1302,66 @@ class Verbs:
         found = call("report", [self._native, *(other._native for other in others)], options, threads=threads)
         return ReportResult(found)
 
+    def import_touches(
+        self,
+        path: Text,
+        *,
+        touches: int = 8,
+        coordinates: TouchCoordinates | None = None,
+        accept: Sequence[Acceptance] | None = None,
+        threads: int | None = None,
+    ) -> TouchImportResult:
+        """Reads what a touch probe logged at balls: touches for a fit, centres with their covariance.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``touches``: Touches of a ball in a pose, 4 or more, of a log that does not name them.
+        * ``coordinates``: The meaning of X, Y, Z, if the log does not state it; positions of the axes by default.
+        * ``accept``: Suspicions that the caller accepts: ``suspect`` takes touches that stand out, and places that do
+          not agree.
+        """
+        options: dict[str, Any] = {
+            "touches": touches,
+            "coordinates": coordinates,
+            "accept": accept,
+        }
+        found = call("import_touches", [self._native], options, words=[path], threads=threads)
+        return TouchImportResult(found)
+
+    def measure(
+        self,
+        sets: Text,
+        *,
+        ball_radius: float = 12.5,
+        stylus: Stylus | None = None,
+        stem: float | None = None,
+        within: float = 1.0,
+        noise: float = 0.001,
+        servo_period_s: float = 0.001,
+        threads: int | None = None,
+    ) -> MeasureResult:
+        """Writes the program of a controller that touches balls.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``ball_radius``: Radius of the balls; above 0.
+        * ``stylus``: The stylus; the functional point of the machine file is the middle of its ball.
+        * ``stem``: Radius of the stems of the balls, along -Z of the workpiece; half that of the balls by default.
+        * ``within``: Distance that each ball may be away from its place; above 0.
+        * ``noise``: Standard deviation of a touch; above 0.
+        * ``servo_period_s``: Time between two looks of the controller at the probe, s; above 0.
+        """
+        options: dict[str, Any] = {
+            "ball_radius": ball_radius,
+            "stylus": stylus,
+            "stem": stem,
+            "within": within,
+            "noise": noise,
+            "servo_period_s": servo_period_s,
+        }
+        found = call("measure", [self._native], options, words=[sets], threads=threads)
+        return MeasureResult(found)
+
 
 def import_readings(
     path: Text,
@@ -1394,15 +1478,16 @@ def testpiece(
     Options, each with the default of the façade where it is ``None``:
 
     * ``kind``: The kind.
-    * ``size_mm``: Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length
-      of an S, 0.1 to 100000 mm; by default 160, of a cone 80.
-    * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, 0.1 to 100000
-      mm; by default 20, of a cone 120, of an S the height of its surface, 40.
+    * ``size_mm``: Side of a square, also of that about a diamond, or of a box; diameter of a circle or of the base of a
+      cone; length of an S; 0.1 to 100000 mm; by default 160, of a cone 80.
+    * ``height_mm``: Height of the contour, of a box, or of the centre of a cone's base above the part's origin, 0.1 to
+      100000 mm; by default 20, of a cone 120, of an S the height of its surface, 40, of a box its side.
     * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg; by default 15.
     * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond, also of
       NAS 979: its turn against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
     * ``c_motion``: Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
-    * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000.
+    * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000. Of a box, number of tool poses on each
+      face, in equal rows, so that there may be a few more.
     """
     options: dict[str, Any] = {
         "kind": kind,

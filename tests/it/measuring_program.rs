@@ -234,7 +234,7 @@ fn it_runs_dry_and_goes_on_where_it_broke_off() {
     let shop = head("head");
     let (out, _) = shop.program("program", &shop.poses[2..3]);
     let calls = "o<abbe_find_1> call\no<abbe_set_1> call";
-    let (wet, _) = shop.read(&out, &format!("o<abbe_start> call [1] [0]\n#<_abbe_1_found> = 1\no<abbe_set_1> call"));
+    let (wet, _) = shop.read(&out, "o<abbe_start> call [1] [0]\n#<_abbe_1_found> = 1\no<abbe_set_1> call");
     let (dry, logged) = shop.read(&out, &format!("o<abbe_start> call [1] [50]\n{calls}"));
     assert!(dry.iter().all(|step| step.kind != "PROBE"), "{dry:?}");
     assert!(logged.iter().any(|line| line.starts_with("begin b1 p1")));

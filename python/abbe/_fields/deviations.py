@@ -434,6 +434,7 @@ class MapFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     order: Annotated[str, "``exact``, or a degree."]
+    degree: Annotated[Union[int, None], "Degree in the errors, if the part of one degree alone is mapped."]
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     over: Annotated[Over, "What the map is over."]

@@ -313,7 +313,8 @@ class MonomialCoefficient(Record):
     monomial: Annotated[str, "Name such as ``EX0C`` or ``EA0C*EB0C``."]
     value: Annotated[float, "Value, in ``unit``."]
     unit: Annotated[str, "Unit of the value."]
-    determined: Annotated[bool, "True if the data tell it from the others."]
+    sigma: Annotated[Union[float, None], "Standard uncertainty, in ``unit``, by the pseudo-inverse and what is left of the readings; none without readings to spare. Of a coefficient that the data do not tell from others it is that of the shortest answer."]
+    determined: Annotated[bool, "True if the data tell it from the others: it is free of the null space, and the others make its uncertainty no more than ten times what it would be without them."]
 
 
 class MonomialComponent(Record):
@@ -547,6 +548,74 @@ class ImportFields(Record):
     findings: Annotated[list[ImportFinding], "Suspicions against the readings."]
     channels: Annotated[list[ImportedChannel], "The errors of the channels of a six-degree instrument."]
     metadata: Annotated[list[list[str]], "Entries before the table."]
+
+
+class ProbeLobing(Record):
+    """Threefold lobing of a probe: what its effective radius changes by with the angle t of the touch about its axis, ``cos`` cos 3t + ``sin`` sin 3t, in the frame of the tool."""
+
+    amplitude_um: Annotated[float, "Its amplitude."]
+    cos_um: Annotated[float, "Part with the cosine."]
+    sin_um: Annotated[float, "Part with the sine."]
+    u_um: Annotated[float, "The larger standard uncertainty of the two."]
+    is_significant: Annotated[bool, "True if chance would show as much once in a thousand."]
+    is_determined: Annotated[bool, "True if the touches tell it from the places of the balls."]
+
+
+class BallCentre(Record):
+    """Centre of a ball in a pose, by the nominal machine: how the centres of a ball differ is its error."""
+
+    ball: Annotated[str, "Name of the ball."]
+    pose: Annotated[str, "Name of the pose."]
+    rotary: Annotated[Named[float], "Positions of the rotary axes, deg."]
+    centre_mm: Annotated[list[float], "From the workpiece origin, workpiece frame."]
+    covariance_um2: Annotated[list[list[float]], "Covariance of its coordinates, radius and lobing unknown."]
+    touches: Annotated[int, "Number of touches."]
+
+
+class OutlierTouch(Record):
+    """A touch that stands out."""
+
+    ball: Annotated[str, "Name of the ball."]
+    pose: Annotated[str, "Name of the pose."]
+    touch: Annotated[int, "Number of the touch in its set."]
+    line: Annotated[int, "Its line."]
+    off_um: Annotated[float, "Distance outside the ball by the other touches; below 0 inside."]
+
+
+class TouchImportFields(Record):
+    """Balls by touch."""
+
+    machine: Annotated[str, "Name of the machine."]
+    balls: Annotated[int, "Number of balls."]
+    touches: Annotated[int, "Number of touches."]
+    sigma_um: Annotated[float, "Standard deviation of a touch."]
+    degrees_of_freedom: Annotated[float, "Residual degrees of freedom."]
+    effective_radius_mm: Annotated[float, "Radius of ball and stylus less the pre-travel, one for all touches."]
+    effective_radius_u_um: Annotated[float, "Its standard uncertainty."]
+    lobing: Annotated[ProbeLobing, "Threefold lobing of the probe."]
+    centres: Annotated[list[BallCentre], "The centres, in the order of the log."]
+    outliers: Annotated[list[OutlierTouch], "Touches that stand out."]
+
+
+class MeasuredSet(Record):
+    """A ball in a pose of the rotary axes."""
+
+    ball: Annotated[str, "Name of the ball."]
+    pose: Annotated[str, "Name of the pose."]
+    middle: Annotated[Named[float], "Positions of the axes (mm, deg) with the stylus in the middle of the ball."]
+
+
+class MeasureFields(Record):
+    """A program that measures balls."""
+
+    machine: Annotated[str, "Name of the machine."]
+    controller: Annotated[str, "The controller."]
+    certainty: Annotated[str, "The certainty of the syntax, in a word."]
+    sets: Annotated[list[MeasuredSet], "The sets in their order."]
+    touches: Annotated[int, "Number of touches that are logged."]
+    slow_mm_per_min: Annotated[float, "Feed of the touches that are logged, mm/min."]
+    fast_mm_per_min: Annotated[float, "Feed of approaches, mm/min."]
+    names: Annotated[list[str], "Names of the files."]
 
 
 class BothSenses3(Record):

@@ -220,7 +220,7 @@ class TargetSummary(Record):
 class TestPieceFields(Record):
     """A test piece as a job."""
 
-    kind: Annotated[Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979"], "The kind."]
+    kind: Annotated[Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979", "box"], "The kind."]
     poses: Annotated[int, "Number of tool poses."]
     features: Annotated[list[str], "Names of its features."]
     c_motion: Annotated[Union[Literal["turn", "pole", "swing"], None], "The motion of a rotary axis about Z, of a cone."]

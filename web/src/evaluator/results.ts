@@ -1150,6 +1150,8 @@ export interface MapResult {
   machine: string;
   /** `exact`, or a degree. */
   order: Order;
+  /** Degree in the errors, if the part of one degree alone is mapped. */
+  degree?: number | null;
   /** Frame of the vectors. */
   frame: Frame;
   /** Side of approach. */
