@@ -264,6 +264,8 @@ pub const MIN_COARSE_MM: f64 = 5.0;
 pub const MIN_COARSE_GAIN: f64 = 10.0;
 /// Ratio to the least that is left, up to which other changes explain as much.
 pub const MAX_COARSE_ALIKE: f64 = 3.0;
+/// Fewest rows for that: of fewer some change brings a few together by chance.
+pub const MIN_COARSE_POINTS: usize = 10;
 /// Rows that are looked at for that.
 pub const COARSE_ROWS: usize = 200;
 /// Of more rows as many neighbours are looked at together, so that exchanges of neighbours can be tried.

@@ -68,7 +68,7 @@ mod tests {
             .lines()
             .map(str::to_owned)
             .collect();
-        assert_eq!(lines, ["Write the set, (once more), by", &format!("  {command}, then"), "  load it."]);
+        assert_eq!(lines, ["Write the set, (once more), by", &format!("  {command}, then load"), "  it."]);
         let long = format!("`{}end`", "word ".repeat(20));
         assert!(fold(&long).lines().all(|line| line.len() <= 80));
         assert!(fold(&"a ` b ".repeat(21)).lines().all(|line| line.len() <= 80));

@@ -45,7 +45,8 @@ pub fn by_uncertainty(value: f64, low: Option<f64>, high: Option<f64>) -> [Strin
     );
     let largest = place(ends().map(f64::abs).fold(value.abs(), f64::max));
     let fine = if width > 0.0 { 1 - place(width) } else { 12 };
-    let decimals = fine.min((3 - largest).max((fine - 1).min(5 - largest))).clamp(0, 12) as usize;
+    let most = if width > 0.0 { (fine - 1).min(5 - largest) } else { 3 - largest };
+    let decimals = fine.min((3 - largest).max(most)).clamp(0, 12) as usize;
     let text = |x: f64| without_sign_of_zero(format!("{x:.decimals$}"));
     let end = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), text);
     [text(value), end(low), end(high)]

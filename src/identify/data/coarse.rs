@@ -8,10 +8,10 @@ use super::station::{self, Sight};
 use super::tracker::InstrumentFrame;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::identify::thresholds::{
-    COARSE_BLOCK, COARSE_ROWS, MAX_ALTERNATIVES, MAX_COARSE_ALIKE, MIN_COARSE_GAIN, MIN_COARSE_MM,
+    COARSE_BLOCK, COARSE_ROWS, MAX_ALTERNATIVES, MAX_COARSE_ALIKE, MIN_COARSE_GAIN, MIN_COARSE_MM, MIN_COARSE_POINTS,
 };
 use crate::lower::NominalPose;
-use crate::machine::Machine;
+use crate::machine::{AxisKind, Machine};
 use crate::units::significant;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -83,7 +83,9 @@ impl<'a> Coarse<'a> {
 
     /// Returns a refusal of readings that are far off their poses if a change of the data, or two, bring them back.
     pub fn explained(&self, name: &str, place: Option<Place>) -> Option<Diagnostic> {
-        let points = self.points(&[])?;
+        // Balls beside poses of the rotary axes alone are a plan, and no readings.
+        let is_plan = matches!(self.sights, CoarseSights::Balls(_)) && !self.moves_along();
+        let points = self.points(&[]).filter(|_| !is_plan)?;
         let (before, size) = (self.misfit(&points, &[])?, spread(&points));
         if before < MIN_COARSE_MM {
             return None;
@@ -107,6 +109,13 @@ impl<'a> Coarse<'a> {
             words(alike.first()?)
         );
         Some(Diagnostic::new(codes::E0543, message).at(place, "").help(format!("{}{others}", remedies.join("; "))))
+    }
+
+    /// True if a linear axis is at different positions.
+    fn moves_along(&self) -> bool {
+        let moves = |i: usize| self.rows.iter().any(|row| row.pose[i] != self.rows[0].pose[i]);
+        let axes = self.machine.axes().iter().enumerate();
+        axes.filter(|(_, axis)| axis.kind == AxisKind::Linear).any(|(i, _)| moves(i))
     }
 
     /// Returns single changes and pairs of them.
@@ -177,7 +186,7 @@ impl<'a> Coarse<'a> {
             let point = NominalPose::in_part(&self.machines[m.tool], &m.pose).pose.translation;
             points.push(Seen { row: self.at[row], posed, point });
         }
-        (beyond <= before).then_some(points)
+        (beyond <= before && points.len() >= MIN_COARSE_POINTS).then_some(points)
     }
 
     /// Returns what the nominal places leave of the readings (mm, RMS).
