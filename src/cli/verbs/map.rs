@@ -60,7 +60,8 @@ pub(crate) struct Args {
     samples: SamplesArg,
     #[command(flatten)]
     view: ViewArgs,
-    /// Map the part of one degree K in the errors alone, 1 to 6: 2 is what products of two errors do.
+    /// Map the part of one degree in the errors alone (1 to 6); 2 is what products of two errors do [default: all
+    /// degrees of the order].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=6))]
     degree: Option<u8>,
     #[command(flatten)]

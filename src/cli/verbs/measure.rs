@@ -29,7 +29,7 @@ pub(crate) struct Args {
     stem: Option<f64>,
     /// Distance that a ball may be away from its place (above 0).
     #[arg(long, value_name = "LENGTH", value_parser = size, default_value = "1 mm")]
-    within: f64,
+    ball_within: f64,
     /// Time between two looks of the controller at the probe, ms (0.01 to 100).
     #[arg(long, value_name = "MS", value_parser = milliseconds, default_value = "1")]
     servo_period: f64,
@@ -65,7 +65,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         ball_radius_mm: args.ball_radius,
         stylus: args.stylus,
         stem_mm: args.stem,
-        within_mm: args.within,
+        within_mm: args.ball_within,
         noise_mm: args.noise.noise.unwrap_or(MeasureOptions::default().noise_mm),
         servo_period_s: args.servo_period / 1e3,
     };
