@@ -240,7 +240,7 @@ TouchCoordinates = Literal["joints", "tip"]
 
 #: The stylus and the body of the probe that holds it, mm.
 #: ``radius``: Radius of its ball, whose middle is the functional point.
-#: ``length``: From there to the body.
+#: ``length``: Distance from the middle of the ball to the body.
 #: ``shaft``: Radius of its shaft, less than that of the ball.
 #: ``body``: Radius of the body.
 Stylus = TypedDict(

@@ -28,7 +28,7 @@ const TURN: f64 = 30.0;
 pub struct Stylus {
     /// Radius of its ball, whose middle is the functional point.
     pub radius: f64,
-    /// From there to the body.
+    /// Distance from the middle of the ball to the body.
     pub length: f64,
     /// Radius of its shaft, less than that of the ball.
     pub shaft: f64,
@@ -55,7 +55,7 @@ pub struct RouteTouch {
     /// Above the start, from where the stylus comes down along the tool axis.
     pub above: Pose,
     pub start: Pose,
-    /// Where a touch ends that meets nothing.
+    /// The end of a touch that meets nothing.
     pub target: Pose,
 }
 
@@ -98,7 +98,7 @@ struct Scene<'a> {
     stylus: Stylus,
 }
 
-/// What a move may do to the ball of its set.
+/// The ways in which a move may meet the ball of its set.
 #[derive(Clone, Copy, PartialEq)]
 enum Own {
     /// Keep clear of it.

@@ -30,9 +30,7 @@ pub(crate) mod verdict;
 mod words;
 
 pub use balls::{BallCentre, OutlierTouch, ProbeLobing, TouchCoordinates, TouchImport, TouchRequest, import_touches};
-pub(crate) use data::COMPONENTS;
-pub(crate) use data::lever;
-pub(crate) use data::taken_together;
+pub(crate) use data::{AND, COMPONENTS, lever, taken_together};
 pub use data::{
     Change, ChangeNames, DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext,
     ReadingKind, Repeats, Scope, ToolUse, TurnKind, groups, import, read_measurements, repeats,

@@ -50,7 +50,7 @@ pub struct MeasuredSet {
     pub middle: IndexMap<String, f64>,
 }
 
-/// What is measured, and how well.
+/// The balls that are measured, and the accuracy that is wanted.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramRequest<'a> {
     /// Names of the balls.

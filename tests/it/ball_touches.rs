@@ -294,6 +294,13 @@ fn four_touches_around_say_that_they_are_blind() {
     assert!(said.contains("do not tell a threefold lobing"), "{said}");
 }
 
+/// Refused with a code and in these words.
+fn is_refused(file: &Path, machine: &str, code: &str, words: &[&str]) {
+    let (exit, said) = refused(&["import", text(file), "--machine", machine]);
+    let name = file.display();
+    assert!(exit == 1 && said.contains(code) && words.iter().all(|word| said.contains(word)), "{name}: {said}");
+}
+
 #[test]
 fn spoiled_logs_are_refused_by_name() {
     let (folder, plain, plant) = table("spoiled");
@@ -302,8 +309,7 @@ fn spoiled_logs_are_refused_by_name() {
     let machine = text(&plain);
     let check = |name: &str, log: &str, code: &str, words: &[&str]| {
         let file = folder.with(&format!("{name}.log"), log);
-        let (exit, said) = refused(&["import", text(&file), "--machine", machine]);
-        assert!(exit == 1 && said.contains(code) && words.iter().all(|word| said.contains(word)), "{name}: {said}");
+        is_refused(&file, machine, code, words);
         file
     };
     let lines: Vec<&str> = good.lines().collect();
@@ -362,9 +368,7 @@ fn logs_of_something_else_are_refused_by_name() {
     let good = log_of(&sets, numbers, "joints");
     let machine = text(&plain);
     let check = |name: &str, log: &str, code: &str, words: &[&str]| {
-        let file = folder.with(&format!("{name}.log"), log);
-        let (exit, said) = refused(&["import", text(&file), "--machine", machine]);
-        assert!(exit == 1 && said.contains(code) && words.iter().all(|word| said.contains(word)), "{name}: {said}");
+        is_refused(&folder.with(&format!("{name}.log"), log), machine, code, words);
     };
     let joints = folder.with("joints.log", &good);
     // Places of the tip for positions of the axes, and the other way round.

@@ -567,7 +567,7 @@ class BallCentre(Record):
     ball: Annotated[str, "Name of the ball."]
     pose: Annotated[str, "Name of the pose."]
     rotary: Annotated[Named[float], "Positions of the rotary axes, deg."]
-    centre_mm: Annotated[list[float], "From the workpiece origin, workpiece frame."]
+    centre_mm: Annotated[list[float], "The centre from the workpiece origin, workpiece frame."]
     covariance_um2: Annotated[list[list[float]], "Covariance of its coordinates, radius and lobing unknown."]
     touches: Annotated[int, "Number of touches."]
 

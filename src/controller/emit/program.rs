@@ -50,9 +50,9 @@ enum Per {
     Set,
 }
 
-/// What a measuring program says: of all, of each ball, and of each set.
+/// The words of a measuring program: of all, of each ball, and of each set.
 pub struct ProgramWords<P: Serialize, S: Serialize> {
-    /// What all files have.
+    /// The words that all files have.
     pub program: P,
     /// The set before which each ball is found.
     pub balls: Vec<S>,

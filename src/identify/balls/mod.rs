@@ -26,7 +26,7 @@ use serde::Serialize;
 use sphere::SphereFit;
 use std::path::Path;
 
-/// What a log of touches leaves open.
+/// Particulars that a log of touches may leave open.
 #[derive(Debug, Clone, Copy)]
 pub struct TouchRequest {
     /// Touches of a ball in a pose, of a log that does not name them.
@@ -92,7 +92,7 @@ pub struct BallCentre {
     pub pose: String,
     /// Positions of the rotary axes, deg.
     pub rotary: IndexMap<String, f64>,
-    /// From the workpiece origin, workpiece frame.
+    /// The centre from the workpiece origin, workpiece frame.
     pub centre_mm: [f64; 3],
     /// Covariance of its coordinates, radius and lobing unknown.
     pub covariance_um2: [[f64; 3]; 3],

@@ -67,6 +67,9 @@ impl Scope {
     }
 }
 
+/// Between two changes in words.
+pub(crate) const AND: &str = " and with ";
+
 /// Names that changes have in words.
 pub struct ChangeNames<'a> {
     /// The machine, of which axes and tools are named.

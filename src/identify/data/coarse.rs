@@ -1,7 +1,7 @@
 //! Readings that are far off their poses, further than errors of a machine: what was mixed up is told by the nominal
 //! machine alone, before any fit.
 
-use super::change::{Change, ChangeNames, LENGTHS, SAME, Scope};
+use super::change::{AND, Change, ChangeNames, LENGTHS, SAME, Scope};
 use super::change::{axes, is_reachable, lags, reposed, tools};
 use super::measurement::Measurement;
 use super::station::{self, Sight};
@@ -98,9 +98,7 @@ impl<'a> Coarse<'a> {
         let (left, alike) = pair.or(single)?;
         let no_row = |_: usize| String::new();
         let names = ChangeNames { machine: self.machine, instrument: &no_row, row: &no_row, components: COORDINATES };
-        let words = |changes: &Changes| {
-            changes.iter().map(|change| change.words(&names)).collect::<Vec<_>>().join(" and with ")
-        };
+        let words = |changes: &Changes| changes.iter().map(|change| change.words(&names)).collect::<Vec<_>>().join(AND);
         let others: String = alike.iter().skip(1).map(|other| format!("; or with {}", words(other))).collect();
         let remedies: Vec<&str> = alike.first()?.iter().map(Change::remedy).collect();
         let [left, before] = [left, before].map(|mm| significant(mm, 3));

@@ -29,7 +29,7 @@ mod turns;
 
 pub use candidates::PlanInstrument;
 pub(crate) use candidates::taken_together;
-pub(crate) use change::COMPONENTS;
+pub(crate) use change::{AND, COMPONENTS};
 pub use change::{Change, ChangeNames, Scope, groups};
 pub(super) use error_name::split_direction;
 pub use measurement::{

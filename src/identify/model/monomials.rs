@@ -4,7 +4,7 @@
 
 use super::prediction::{FitModel, zero_unread};
 use crate::algebra::linear::Triangle;
-use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::data::{COMPONENTS, Measurement, ReadingKind};
 use crate::identify::thresholds::{MAX_INFLATION, MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub struct MonomialComponent {
     pub rms_um: Rms,
     /// The coefficients.
     pub coefficients: Vec<MonomialCoefficient>,
-    /// What the fit says of each row (mm), by its index in the data.
+    /// The fitted reading of each row (mm), by its index in the data.
     #[serde(skip)]
     pub fitted: Vec<(usize, f64)>,
 }
@@ -160,7 +160,7 @@ fn component(
         MonomialCoefficient { monomial, value: found[j] * in_unit + 0.0, unit, sigma, determined }
     };
     Some(MonomialComponent {
-        component: ["dx", "dy", "dz"][k],
+        component: COMPONENTS[k],
         readings: seen.len(),
         columns: columns.len(),
         rank,
@@ -188,7 +188,7 @@ fn label(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> (String, S
     }
 }
 
-/// Of equivalent answers the shortest in mm and rad: that of the Moore-Penrose inverse of the papers' matrix.
+/// The shortest of equivalent answers in mm and rad: that of the Moore-Penrose inverse of the papers' matrix.
 struct Shortest<'a> {
     /// Norms of the columns.
     scale: &'a DVector<f64>,

@@ -4,13 +4,10 @@ use super::fitted::FitDiagnosis;
 use super::inputs::FitAcceptance;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::thresholds::{MAX_NOISE_PROBABILITY, MIN_GROUP_RATIO, MIN_GROUP_READINGS};
-use crate::identify::{COMPONENTS, Change, ChangeNames, Scope, both_tails, groups};
+use crate::identify::{AND, COMPONENTS, Change, ChangeNames, Scope, both_tails, groups};
 use crate::units::significant;
 use nalgebra::Vector3;
 use serde::Serialize;
-
-/// Between two changes.
-const AND: &str = " and with ";
 
 /// A change of the data that explains what the fit leaves.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
