@@ -6,8 +6,7 @@ use super::compare_figures::{Alike, AlikeDraws, Bounded, Figures, FittedComparis
 use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
 use super::withheld::LimitWork;
-use crate::analysis::budget::Bound;
-use crate::analysis::budget::BoundedDeviation;
+use crate::analysis::budget::{Bound, BoundedDeviation, most_samples};
 use crate::analysis::figure_bands::ComparedBands;
 use crate::analysis::reference::PartReference;
 use crate::analysis::{
@@ -263,7 +262,7 @@ fn side_by_side(
     }
     let (set_ups, unlike) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
     let (samples, approach) = (options.samples, options.approach);
-    let max_samples = options.max_samples.unwrap_or_else(|| samples.saturating_mul(8));
+    let max_samples = options.max_samples.unwrap_or_else(|| most_samples(samples));
     let draws = AlikeDraws { tolerances: &options.tolerances, samples, max_samples, seed: options.seed };
     let alike =
         Alike { files, fields: &fields, sides: &sides, draws, order: options.order, conditions: approach.into() };

@@ -3,7 +3,7 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::withheld::{StudyCoverage, TurnedVerdicts, apart};
 use crate::analysis::budget::{
-    Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, count_staying, known,
+    Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, count_staying, known, most_samples,
 };
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
@@ -546,12 +546,11 @@ impl EnumerateOptions {
 
 /// The rounds: by default up to eight times the first, as far as it can be kept.
 fn rounds(options: &EnumerateOptions, judge: &Judge, poses: usize) -> Rounds {
-    const TIMES: usize = 8;
     if let Judge::Errors = judge {
         return Rounds::single();
     }
     let kept = usize::try_from(MAX_DRAWS).unwrap_or(usize::MAX) / poses.max(1);
-    let limit = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(TIMES).min(kept));
+    let limit = options.max_samples.unwrap_or_else(|| most_samples(options.samples).min(kept));
     Rounds::doubling(options.samples, limit, options.first)
 }
 

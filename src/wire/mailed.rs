@@ -70,7 +70,7 @@ fn settings(options: &ReportOptions) -> Value {
         "map": with_bounds(json!({"seed": seed, "order": order, "approach": approach})),
         "sources": {"seed": seed, "order": order, "approach": approach},
         "budget": with_bounds(json!({"seed": seed, "poses": poses})),
-        "compare": with_bounds(json!({"seed": seed, "poses": poses, "samples": samples, "max_samples": samples})),
+        "compare": with_bounds(json!({"seed": seed, "poses": poses, "samples": samples})),
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::mailed;
 use super::report_options::ReportOptions;
+use crate::analysis::budget::most_samples;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::ReferencedField;
 use crate::analysis::{MAX_POSES, MapFailure, View, map};
@@ -377,7 +378,7 @@ fn comparison(
     let comparison = comparison.without(&fields, &references, &orders, options.approach.into());
     let (samples, seed) = (options.samples, options.seed);
     let names: Vec<&str> = given.iter().map(|given| given.file).collect();
-    let (tolerances, files, max_samples) = (&options.tolerances, &*names, samples);
+    let (tolerances, files, max_samples) = (&options.tolerances, &*names, most_samples(samples));
     let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references: &references };
     let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));

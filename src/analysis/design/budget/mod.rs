@@ -56,7 +56,9 @@ pub(crate) use kernel::{
     remove_motion, squares,
 };
 pub use monte_carlo::Statistic;
-pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};
+pub use paired::{
+    PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, most_samples, percentile_95, round_sizes,
+};
 pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest, effects_at, pose_by_pose};
 pub use quantile::{Percentile, Proportion, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};

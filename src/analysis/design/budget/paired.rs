@@ -102,6 +102,12 @@ impl PairedDifference {
 /// Probability that any statement about any pair in any round is wrong.
 pub const ERROR_PROBABILITY: f64 = 0.05;
 
+/// Returns how many machines are drawn at most, where nobody states it, to tell apart what a first number does not.
+pub fn most_samples(first: usize) -> usize {
+    const TIMES: usize = 8;
+    first.saturating_mul(TIMES)
+}
+
 /// Returns the number of drawn machines after each round: they double up to a limit.
 pub fn round_sizes(samples: usize, limit: usize) -> Vec<usize> {
     let mut sizes = vec![samples];
