@@ -299,7 +299,7 @@ fn the_text_says_the_verdict_and_what_is_not_known() {
     let both = run(&[&repeated, &beside]);
     assert_eq!(both.code, Some(0), "{}", both.err);
     for words in
-        ["Second measurement, 216 readings", ": within\n", "states no uncertainty", "Of the correction they see "]
+        ["Second measurement, 216 readings: ", ": within.\n", "states no uncertainty", "Of the correction they see "]
     {
         assert!(both.out.contains(words), "{words}: {}", both.out);
     }

@@ -57,13 +57,17 @@ impl CertificateView<'_> {
     fn text(&self) -> String {
         let [figures, job, second] = [self.figures(), self.job(), self.second()];
         let heading = self.answer() + &self.heading();
-        let parts = [heading, figures, job, second, self.programming(), self.by_error(), self.cautions()];
+        let parts = [heading, second, figures, job, self.programming(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
-    /// Returns by how much the files lower the deviation, over the job first.
+    /// Returns what a second measurement says of the files, and by how much they lower the deviation, over the job
+    /// first.
     fn answer(&self) -> String {
         let report = self.report;
+        let measured = report.second.as_ref().map_or_else(String::new, |of| {
+            format!("Measured with the set in force, less the set-up, RMS: {}.\n", of.words)
+        });
         let raised = |words: Option<String>, over: &str| {
             words.map_or_else(String::new, |words| format!("The files RAISE {words}, {over}.\n"))
         };
@@ -76,7 +80,7 @@ impl CertificateView<'_> {
         let over = format!("over {} poses of the {part}volume", report.poses);
         let left = report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
         let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
-        job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
+        measured + &job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
     }
 
     fn heading(&self) -> String {
@@ -123,10 +127,9 @@ impl CertificateView<'_> {
             names => format!("Common to both measurements, counted once: {}.\n", names.join(", ")),
         };
         format!(
-            "Second measurement, {} less their set-up, RMS\n{}\n|E_n| is at most 1 for {}; {} are expected, of 1000 \
-             good campaigns 995 have {} or more.\n{correction}{}{once}",
+            "Second measurement, {}: |E_n| is at most 1 for {}; {} are expected, of 1000 good campaigns 995 have {} or \
+             more.\n{correction}{}{once}",
             counted(of.readings.len(), "reading"),
-            of.words,
             percent(of.within),
             percent(of.within_expected),
             percent(of.within_least),
