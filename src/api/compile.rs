@@ -166,10 +166,16 @@ fn module(
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
     call.check()?;
-    let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    let words = vec![goal.to_owned()];
-    Ok(assemble(file, target, words, set.rendered, certificate, &*effect.field(file, target), scope))
+    Ok(assemble(
+        file,
+        target,
+        options.compensation.module_words(),
+        set.rendered,
+        certificate,
+        &*effect.field(file, target),
+        scope,
+    ))
 }
 
 fn assemble(

@@ -65,9 +65,8 @@ pub fn compile_composed(
             max_nodes: options.max_nodes,
         };
         let (composition, [of_first, of_second]) = compose(call, file, targets.0, targets.1, request)?;
-        let certificate = certificate(call, &composition, file, how, &scope)?;
-        let goal = if how.orientation() { "correct pose" } else { "correct position" };
-        let first = part(file, &composition.target, vec![goal.to_owned()], of_first);
+        let certificate = certificate(call, &composition, file, &scope)?;
+        let first = part(file, &composition.target, how.module_words(), of_first);
         let beside = [how.words(), vec![beside(&first.lock)]].concat();
         let second = part(file, &composition.tables_target, beside, of_second);
         let parts = vec![first, second];
@@ -89,10 +88,9 @@ fn certificate(
     call: &mut Call,
     composition: &Composition,
     file: &MachineFile,
-    how: &CompensationOptions,
     scope: &CertificateScope,
 ) -> Result<CertificateReport, Refused> {
-    let (certificate, first) = composition.certify(file, how, scope.depth, call)?;
+    let (certificate, first) = composition.certify(file, scope.depth, call)?;
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
@@ -120,7 +118,7 @@ pub(super) fn verify_composed(
     let (before, old_tables) = before.unzip();
     let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);
-    let mut report = certificate(call, &composition, file, how, scope)?;
+    let mut report = certificate(call, &composition, file, scope)?;
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let added = |machine: &Machine, at: &OperatingPoint<'_>| tables.beside(machine, &module).addition(at);

@@ -76,10 +76,11 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         if set.target.manifest.kinematics().is_some() {
             return module(call, file, folder, &set, options, &scope);
         }
+        let how = set.options.clone();
         let (found, installed) = tables(call, file, folder, set, options)?;
         let FoundTables { target, tables, files } = found;
         let judged = TablesUnderTest { target: &target, tables: &tables, installed: installed.as_ref() };
-        let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
+        let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
         call.check()?;
         let mut report = CertificateReport::new(file, &target, certificate, &judged.field(file), &scope, files);
@@ -138,7 +139,7 @@ fn module(
     scope: &CertificateScope,
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
-    let how = &options.compensation;
+    let how = &set.options;
     let before = module_set::load_installed(call, file, target, how, options.in_force())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
     let (module, beside) = module_set::find(call, file, target, folder, request, texts)?;

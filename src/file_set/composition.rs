@@ -7,7 +7,7 @@ use super::module_set::{self, InForce, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, TableRequest};
 use super::{found_set, verdict};
-use crate::compensation::CorrectionTables;
+use crate::compensation::{CorrectionTables, Scope};
 use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Figures, KinematicsModule, LOCK_NAME, Limits, Lock,
     Parameters, RenderedFile, TablesUnderTest, certify_sets,
@@ -28,6 +28,8 @@ pub(crate) struct Composition {
     pub tables: CorrectionTables,
     /// The tables that were in force when the machine was measured.
     pub before: Option<CorrectionTables>,
+    /// What the tables correct, and by what.
+    scope: Scope,
     /// Names of the files, with their subfolders.
     pub files: Vec<String>,
 }
@@ -77,7 +79,8 @@ pub(crate) fn compose(
     };
     let files = [names(&target, &module.rendered), names(&tables_target, &rendered.rendered)].concat();
     let tables = rendered.tables;
-    let composition = Composition { target, parameters, tables_target, rest, tables, before: installed, files };
+    let scope = how.scope();
+    let composition = Composition { target, parameters, tables_target, rest, tables, before: installed, files, scope };
     Ok((composition, [module.rendered, rendered.rendered]))
 }
 
@@ -99,7 +102,7 @@ pub(crate) fn effect_of_composed(
         max_nodes: usize::MAX,
     };
     let (composition, _) = compose(call, machine, targets.0, targets.1, request)?;
-    let (certificate, _) = composition.certify(machine, options, depth, call)?;
+    let (certificate, _) = composition.certify(machine, depth, call)?;
     let (effect, _) = composition.effect();
     Ok((composition.both(), effect, certificate))
 }
@@ -199,12 +202,11 @@ impl Composition {
     pub(crate) fn certify(
         &self,
         machine: &Machine,
-        how: &CompensationOptions,
         depth: Depth,
         call: &mut Call,
     ) -> Result<(Certificate, Figures), Refused> {
         let sets = ((&self.target, &self.parameters), self.tables_under_test());
-        let found = certify_sets(machine, &self.rest, sets, how.scope(), depth);
+        let found = certify_sets(machine, &self.rest, sets, self.scope, depth);
         call.extend(verdict::warnings(&found.0));
         call.check()?;
         Ok(found)
@@ -284,7 +286,6 @@ pub(crate) fn find(
     old_tables: Option<CorrectionTables>,
 ) -> Result<Composition, Refused> {
     let (target, tables_target) = targets(call, path, options)?;
-    let request = ModuleRequest { before, ..ModuleRequest::plain(options.orientation()) };
     let (of_first, of_second) = (path.join(&target.manifest.target), path.join(&tables_target.manifest.target));
     let locks = [&of_first, &of_second].map(|folder| Folder::new(folder, call.run.files).lock());
     if let [Some(first), Some(second)] = &locks
@@ -306,16 +307,18 @@ pub(crate) fn find(
     let set = found_set::find_set(call, machine, &of_first, named, options)?;
     let of_parameters: Vec<String> =
         set.files.iter().map(|file| format!("{}/{}", target.manifest.target, file.found)).collect();
+    let request = ModuleRequest { before, ..ModuleRequest::plain(set.options.orientation()) };
     let (module, _) = module_set::find(call, machine, &target, &of_first, request, &set.files)?;
     let Some(parameters) = module.parameters().cloned() else { return Err(Refused) };
     let rest = remaining(call, machine, &parameters)?;
     let named = Some(tables_target.manifest.target.as_str());
     let set = found_set::find_set(call, &rest, &of_second, named, options)?;
+    let scope = set.options.scope();
     let found = table_set::tables_of(call, &rest, &of_second, set)?;
     call.check()?;
     let of_tables = found.files.iter().map(|file| format!("{}/{file}", tables_target.manifest.target));
     let files = of_parameters.into_iter().chain(of_tables).collect();
-    Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, before: old_tables, files })
+    Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, before: old_tables, files, scope })
 }
 
 /// The effect of the composed set in a folder, and the target whose tables it has.

@@ -77,7 +77,7 @@ pub(crate) fn effect_in(
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
         return Ok((target, ControllerEffect::CorrectionTables(tables)));
     }
-    let request = ModuleRequest::plain(options.orientation());
+    let request = ModuleRequest::plain(set.options.orientation());
     let (module, beside) = module_set::find(call, machine, &set.target, folder, request, &set.files)?;
     Ok((set.target, ControllerEffect::Module(Box::new(module), beside)))
 }

@@ -13,6 +13,8 @@ use std::path::Path;
 pub(crate) struct FoundSet {
     pub target: ControllerTarget,
     pub files: Vec<ReadBack>,
+    /// The options that the caller states, and those of the set's manifest where he does not.
+    pub options: CompensationOptions,
 }
 
 /// Finds the set in a folder; `named` is its target if the caller knows it.
@@ -29,8 +31,19 @@ pub(crate) fn find_set(
         folder.refuse_odd(lock, &mut call.diagnostics);
         call.check()?;
     }
-    let options = &options.as_in(lock.as_ref());
+    let options = options.as_in(lock.as_ref());
     let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
+    let (target, files) = target_and_files(call, machine, &folder, named, &options)?;
+    Ok(FoundSet { target, files, options })
+}
+
+fn target_and_files(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Folder,
+    named: Option<String>,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, Vec<ReadBack>), Refused> {
     let candidates = match named {
         Some(name) => vec![options.target(call, &name)?],
         None => all_targets(call, options)?,
@@ -38,30 +51,30 @@ pub(crate) fn find_set(
     if let [target] = &candidates[..] {
         refuse_assumed_axes(call, machine, target)?;
     }
-    if let ([target], Some(lock)) = (&candidates[..], &lock) {
+    if let ([target], Some(lock)) = (&candidates[..], folder.lock()) {
         let tables = target.table_files(machine);
-        refuse_incomplete(call, &folder, lock, &tables)?;
+        refuse_incomplete(call, folder, &lock, &tables)?;
         // A set that had nothing to compensate.
         if lock.target == target.manifest.target
             && !lock.files.iter().any(|file| tables.contains(&file.name))
             && !tables.iter().any(|name| folder.has(name))
         {
-            return Ok(FoundSet { target: target.clone(), files: Vec::new() });
+            return Ok((target.clone(), Vec::new()));
         }
     }
     let there = |target: &&ControllerTarget| target.table_files(machine).iter().any(|name| folder.has(name));
     let by_name: Vec<&ControllerTarget> = candidates.iter().filter(there).collect();
     if let [target] = by_name[..] {
         refuse_assumed_axes(call, machine, target)?;
-        let files = read_by_name(call, machine, &folder, target)?;
+        let files = read_by_name(call, machine, folder, target)?;
         for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
             call.warn(ignore_file(&name, "the machine has no axis for it"));
         }
-        return Ok(FoundSet { target: target.clone(), files });
+        return Ok((target.clone(), files));
     }
     // Several targets by their names: those are the ones to choose from.
     let candidates = if by_name.is_empty() { candidates } else { by_name.into_iter().cloned().collect() };
-    by_content(call, machine, &folder, candidates)
+    by_content(call, machine, folder, candidates)
 }
 
 /// The files of a target by their names, and those by their content that put others in force.
@@ -151,7 +164,7 @@ fn by_content(
     machine: &Machine,
     folder: &Folder,
     targets: Vec<ControllerTarget>,
-) -> Result<FoundSet, Refused> {
+) -> Result<(ControllerTarget, Vec<ReadBack>), Refused> {
     let only = match &targets[..] {
         [target] => Some((target.manifest.target.clone(), target.table_files(machine).join(", "))),
         _ => None,
@@ -159,7 +172,7 @@ fn by_content(
     let texts = folder.texts(&mut call.diagnostics);
     if let Some(RecognisedSet { target, files }) = recognise(machine, targets, &texts, &mut call.diagnostics) {
         refuse_assumed_axes(call, machine, &target)?;
-        return Ok(FoundSet { target, files });
+        return Ok((target, files));
     }
     call.check()?;
     let Some((target, files)) = only else { return call.refuse(nothing_found(folder.path)) };

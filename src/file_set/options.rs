@@ -66,6 +66,33 @@ fn stored_of(options: &[String]) -> Option<Stored> {
     known.into_iter().find(|stored| options.iter().any(|option| option == stored_word(*stored)))
 }
 
+/// The word for a goal in the manifest of a set.
+fn goal_word(goal: Goal) -> &'static str {
+    match goal {
+        Goal::Position => "correct position",
+        Goal::Pose => "correct pose",
+    }
+}
+
+/// Returns the goal that the manifest of a set states.
+fn goal_of(options: &[String]) -> Option<Goal> {
+    [Goal::Position, Goal::Pose].into_iter().find(|goal| options.iter().any(|option| option == goal_word(*goal)))
+}
+
+/// The word for axes that correct in the manifest of a set.
+fn axes_word(axes: CorrectingAxes) -> &'static str {
+    match axes {
+        CorrectingAxes::Linear => "with linear axes",
+        CorrectingAxes::All => "with all axes",
+    }
+}
+
+/// Returns the axes that correct by the manifest of a set.
+fn axes_of(options: &[String]) -> Option<CorrectingAxes> {
+    let known = [CorrectingAxes::Linear, CorrectingAxes::All];
+    known.into_iter().find(|axes| options.iter().any(|option| option == axes_word(*axes)))
+}
+
 /// What the manifest of a set says before an entry of [`CompensationOptions::map`].
 const MAP: &str = "map ";
 
@@ -103,7 +130,12 @@ impl CompensationOptions {
         let Some(lock) = lock else { return self.clone() };
         let of_lock = || lock.options.iter().filter_map(|option| option.strip_prefix(MAP)).map(str::to_owned);
         let map = if self.map.is_empty() { of_lock().collect() } else { self.map.clone() };
-        Self { stored: self.stored.or_else(|| stored_of(&lock.options)), map, ..self.clone() }
+        // What corrects by what goes together.
+        let (correct, with) = match (self.correct, self.with) {
+            (None, None) => (goal_of(&lock.options), axes_of(&lock.options)),
+            stated => stated,
+        };
+        Self { correct, with, stored: self.stored.or_else(|| stored_of(&lock.options)), map, ..self.clone() }
     }
 
     pub(crate) fn scope(&self) -> Scope {
@@ -117,12 +149,16 @@ impl CompensationOptions {
         self.correct != Some(Goal::Position) && self.with != Some(CorrectingAxes::Linear)
     }
 
-    /// Returns the options as the manifest of a set states them.
+    /// Returns the options of a kinematics module as the manifest of its set states them.
+    pub(crate) fn module_words(&self) -> Vec<String> {
+        vec![goal_word(if self.orientation() { Goal::Pose } else { Goal::Position }).to_owned()]
+    }
+
+    /// Returns the options of tables as the manifest of their set states them.
     pub(crate) fn words(&self) -> Vec<String> {
         let scope = self.scope();
-        let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
-        let axes = if scope.rotary { "all" } else { "linear" };
-        let mut words = vec![format!("correct {goal}"), format!("with {axes} axes")];
+        let axes = if scope.rotary { CorrectingAxes::All } else { CorrectingAxes::Linear };
+        let mut words = vec![goal_word(scope.goal).to_owned(), axes_word(axes).to_owned()];
         words.extend(self.stored.map(|stored| stored_word(stored).to_owned()));
         words.extend(self.without.iter().map(|kind| format!("without {kind}")));
         words.extend(self.map.iter().map(|entry| format!("{MAP}{entry}")));

@@ -275,7 +275,7 @@ pub(crate) fn tables_of(
     folder: &Path,
     set: FoundSet,
 ) -> Result<FoundTables, Refused> {
-    let FoundSet { target, files } = set;
+    let FoundSet { target, files, .. } = set;
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
         let help = "a module is written anew from the machine file, not on top of another one";
