@@ -70,6 +70,15 @@ pub(crate) fn budget(of: &BudgetResult) -> String {
     )
 }
 
+/// Returns how many unknowns a fit determines: `3 of 4 unknowns (4 with products of errors)`.
+pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
+    if exact > first_order {
+        format!("{first_order} of {} ({exact} with products of errors)", counted(unknowns, "unknown"))
+    } else {
+        format!("{exact} of {}", counted(unknowns, "unknown"))
+    }
+}
+
 pub(crate) fn identify(of: &IdentifyResult) -> String {
     let prediction = match of.prediction.largest_um {
         Some(size) if of.prediction.held => {
@@ -79,9 +88,8 @@ pub(crate) fn identify(of: &IdentifyResult) -> String {
     };
     let stopped = if of.settled { "" } else { "NOT SETTLED: " };
     format!(
-        "{stopped}{} of {} determined by {}; rms {} um before, {} um after{prediction}.\n",
-        of.rank,
-        counted(of.unknowns, "unknown"),
+        "{stopped}{} determined by {}; rms {} um before, {} um after{prediction}.\n",
+        rank(of.rank_first_order, of.rank, of.unknowns),
         counted(of.rows, "reading"),
         significant(of.rms_um.before, 3),
         significant(of.rms_um.after, 3),

@@ -58,14 +58,6 @@ fn um(value: f64) -> String {
     if 0.0 < value && value < MAX_ROUNDING { format!("below {MAX_ROUNDING}") } else { significant(value, 4) }
 }
 
-pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
-    if exact > first_order {
-        format!("{first_order} of {unknowns} unknowns ({exact} with products of errors)")
-    } else {
-        format!("{exact} of {unknowns} unknowns")
-    }
-}
-
 fn fit(r: &IdentifyResult) -> String {
     let scatter = match &r.scatter[..] {
         [] => format!("; {} per reading", r.reading_scatter),
@@ -84,7 +76,7 @@ fn fit(r: &IdentifyResult) -> String {
             "rank       {} from {}{}, {} well determined, condition {}, observability {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-            rank(r.rank_first_order, r.rank, r.unknowns),
+            answer::rank(r.rank_first_order, r.rank, r.unknowns),
             counted(r.rows, "reading"),
             and_known,
             r.well_determined,

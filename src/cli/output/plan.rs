@@ -1,7 +1,6 @@
 //! The result of `abbe identify --plan` as text.
 
-use super::answer;
-use super::identify_report::rank;
+use super::answer::{self, rank};
 use super::view::table;
 use abbe::results::MeasurementPlan;
 use abbe::text::{counted, significant};
