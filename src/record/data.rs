@@ -337,6 +337,9 @@ pub struct LimitDecision {
     pub name: String,
     /// `found`, `left` or the file of figures.
     pub of: String,
+    /// The place of the value in a file of figures, a JSON pointer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
     /// The value.
     pub value: f64,
     /// Expanded uncertainty (k = 2).

@@ -87,6 +87,11 @@ fn of_figure(limit: &LimitEntry, figures: &[Figures]) -> Result<LimitDecision, D
             unfit(message, "a JSON pointer, such as /errors/0/accuracy_um")
         })
     };
+    let at = text(&limit.value);
+    if let Some(instead) = named_beside(&name, &file.document, &at) {
+        let message = format!("`{}` takes its value from `{}`, beside which `{instead}` is", shown(&name), shown(&at));
+        return Err(unfit(message, "name the limit by the figure that it is of, or correct the pointer"));
+    }
     let value = number(&limit.value)?;
     let expanded = limit.uncertainty.is_some().then(|| number(&limit.uncertainty)).transpose()?;
     if expanded.is_some_and(|expanded| expanded < 0.0) {
@@ -98,13 +103,25 @@ fn of_figure(limit: &LimitEntry, figures: &[Figures]) -> Result<LimitDecision, D
     let bound = in_unit(&limit.limit, &unit)?;
     // A value below 0 has a sign: both sides are limited.
     let sides = if value < 0.0 { LimitSides::Both } else { LimitSides::Upper };
-    Ok(decision(name, file.file.clone(), unit, LimitedValue { value, expanded, limit: bound, sides }))
+    let limited = LimitedValue { value, expanded, limit: bound, sides };
+    Ok(LimitDecision { at: Some(at), ..decision(name, file.file.clone(), unit, limited) })
+}
+
+/// Returns the figure beside the one at a pointer that the words of a name mean instead, as `A of X` at `/errors/0/B`.
+fn named_beside(name: &str, document: &Value, pointer: &str) -> Option<String> {
+    let (parent, own) = pointer.rsplit_once('/')?;
+    let beside = document.pointer(parent)?.as_object()?;
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let is_word = |key: &&String| words.contains(&key.as_str());
+    let numbers = beside.iter().filter(|(_, value)| value.is_number()).map(|(key, _)| key);
+    (!words.contains(&own)).then(|| numbers.into_iter().find(is_word).cloned()).flatten()
 }
 
 fn decision(name: String, of: String, unit: String, limited: LimitedValue) -> LimitDecision {
     LimitDecision {
         name,
         of,
+        at: None,
         value: limited.value,
         expanded_uncertainty: limited.expanded,
         limit: limited.limit,

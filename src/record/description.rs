@@ -9,6 +9,12 @@ use std::path::Path;
 
 /// Maximum number of entries of a list.
 const MOST: usize = 500;
+/// Temperatures of machines and the air about them.
+const PLAUSIBLE_DEG_C: std::ops::RangeInclusive<f64> = -40.0..=120.0;
+/// Largest expanded uncertainty of a thermometer.
+const MAX_KELVIN: f64 = 20.0;
+/// Temperatures of a room, 15 to 35 degC, in degF.
+const WARM_DEG_F: std::ops::RangeInclusive<f64> = 59.0..=95.0;
 
 /// A description of a calibration. Paths are relative to the description.
 #[derive(Debug, Clone, Deserialize)]
@@ -190,10 +196,15 @@ impl Description {
         }
         for temperature in &self.temperatures {
             let [deg_c, u] = [temperature.deg_c, temperature.expanded_uncertainty_k.unwrap_or(0.0)];
-            let wrong = !(-273.15..=1000.0).contains(&deg_c) || !(0.0..=1000.0).contains(&u);
-            let message = format!("`{}` is no temperature: {deg_c} degC, uncertainty {u} K", temperature.name);
-            fault(wrong, message, "-273.15 to 1000 degC and, for the uncertainty, 0 to 1000 K");
+            let wrong = !PLAUSIBLE_DEG_C.contains(&deg_c) || !(0.0..=MAX_KELVIN).contains(&u);
+            let name = &temperature.name;
+            let message = format!("`{name}` is no temperature of a machine: {deg_c} degC, uncertainty {u} K");
+            fault(wrong, message, "-40 to 120 degC and, for the uncertainty, 0 to 20 K");
         }
+        // Of a machine that is measured some part has the temperature of the room.
+        let warm = self.temperatures.iter().all(|temperature| WARM_DEG_F.contains(&temperature.deg_c));
+        let message = "all temperatures are from 59 to 95 degC, as those of a room are in degF".to_owned();
+        fault(warm && !self.temperatures.is_empty(), message, "state them in degC: 68 degF are 20 degC");
         for limit in &self.limits {
             let of_figure = [&limit.name, &limit.figures, &limit.value, &limit.unit];
             let whole = of_figure.iter().all(|part| part.is_some()) && limit.alarm.is_none();

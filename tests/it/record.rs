@@ -261,6 +261,17 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
         ("data: [raw/x laser.csv, other/x laser.csv]", "data: []"),
         ("deg_c: 21.5", "deg_c: .nan"),
         ("deg_c: 21.5", "deg_c: 1e300"),
+        ("deg_c: 21.5", "deg_c: 215"),
+        ("deg_c: 21.5, expanded_uncertainty_k: 0.2", "deg_c: 21.5, expanded_uncertainty_k: 200"),
+        // A room in degF.
+        (
+            "deg_c: 21.5, expanded_uncertainty_k: 0.2 }, { name: air, deg_c: -3 }",
+            "deg_c: 68 }, { name: air, deg_c: 70 }",
+        ),
+        (
+            "remarks: [Synthetic.]",
+            "limits: [{ name: A of X, figures: figures.json, value: /errors/0/mean_B, unit: um, limit: 9 um }]",
+        ),
         ("remarks: [Synthetic.]", "limits: [{ error: EXX }]"),
         ("remarks: [Synthetic.]", "limits: [{ error: EXX, limit: 10 urad }]"),
         ("remarks: [Synthetic.]", "limits: [{ error: EXX, limit: -1 um }]"),
