@@ -60,7 +60,7 @@ pub struct ErrorCounts {
     pub location: usize,
     /// Component errors with a value.
     pub component: usize,
-    /// Errors of which only a bound is known.
+    /// Bounds that the file states: of errors, of axes and of squareness.
     pub tolerance: usize,
 }
 

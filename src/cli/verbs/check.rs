@@ -71,7 +71,9 @@ fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
         text.push_str(&format!("  measured {}; beyond, curves go on unmeasured\n", bands::ranges(&measured)));
     }
     let class = machine.class().map_or_else(String::new, |class| format!("; class {}", shown(&class.name)));
-    text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded{class}\n"));
+    text.push_str(&format!(
+        "  errors  {location} location, {component} component, {tolerance} bounds in the file{class}\n"
+    ));
     text.push_str(&coverage_line(&short.coverage).map_or_else(String::new, |line| format!("  known   {line}\n")));
     let arms = short.axes.iter().filter(|axis| axis.arm_mm.share.is_some_and(|share| share > 0.0));
     let arm = |axis: &AxisSummary| {

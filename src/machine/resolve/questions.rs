@@ -9,6 +9,8 @@ use crate::units::{self, Dimension, significant};
 
 /// A translation of a location error from which on it is a position that belongs elsewhere, mm.
 const POSITION: f64 = 1.0;
+/// A bound of an angle from which on it is as a rule in another unit, rad: 400 arcsec.
+const WIDE_ANGLE: f64 = 2e-3;
 /// A displacement of the gauge point by a variant from which on it is another spindle, mm.
 const OTHER_SPINDLE: f64 = 50.0;
 /// A travel is in radians if its ends are so near (deg) to multiples of five degrees: two decimals of a radian.
@@ -33,6 +35,7 @@ pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
             .map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)),
     );
     found.extend(positions(document, machine));
+    found.extend(wide_bounds(document, machine));
     found.extend(document.moved_gauges.iter().filter_map(|(at, base)| moved_gauge(document, at, base)));
     found
 }
@@ -209,6 +212,27 @@ fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<
         };
         Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
     })
+}
+
+/// Asks about bounds of the size of positions, and of angles that one sees by eye.
+fn wide_bounds(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let of_errors = machine.errors().filter_map(|(error, term)| match term {
+        ErrorTerm::Tolerance(value) => Some((error.to_string(), *value, error.direction.is_rotation())),
+        _ => None,
+    });
+    let wide = |(_, value, turns): &(String, f64, bool)| *value >= if *turns { WIDE_ANGLE } else { POSITION };
+    let ask_of = |(name, value, turns): (String, f64, bool)| {
+        let at: Vec<String> = std::iter::once("tolerances").chain(name.split_whitespace()).map(str::to_owned).collect();
+        let (size, help) = if turns {
+            let arcsec = value.to_degrees() * 3600.0;
+            (format!("{} mrad, {} arcsec", significant(value * 1e3, 3), significant(arcsec, 3)), "urad or arcsec")
+        } else {
+            (format!("{} mm", significant(value, 3)), "um")
+        };
+        let help = format!("bounds of such errors are {help} as a rule: compare the unit with that of the data sheet");
+        ask(document, &at, format!("`{name}` is bounded by {size}: is that meant?"), help)
+    };
+    of_errors.chain(machine.tolerances().list()).filter(wide).map(ask_of).collect()
 }
 
 /// Asks about a gauge point that a variant moves far from that of its base.
