@@ -26,6 +26,8 @@ pub struct MeasuringProgram {
     pub certainty: String,
     /// The sets in their order.
     pub sets: Vec<MeasuredSet>,
+    /// Sizes of balls, stems and probe of which the moves keep clear, in words.
+    pub checked: String,
     /// Number of touches that are logged.
     pub touches: usize,
     /// Feed of the touches that are logged, mm/min.
@@ -125,6 +127,7 @@ struct Program {
     sets: Vec<usize>,
     calls: Vec<Call>,
     radii: String,
+    checked: String,
     within: String,
     fast: String,
     slow: String,
@@ -142,6 +145,18 @@ fn rows(of: &Matrix3<f64>) -> Vec<Vec<String>> {
 fn refusal(message: String) -> Diagnostic {
     let help = "a measuring program takes three linear axes that place the tip, under the letters of the controller";
     Diagnostic::new(codes::E0601, message).help(help)
+}
+
+impl ProgramRequest<'_> {
+    /// Returns the sizes of which the moves keep clear.
+    fn words(&self) -> String {
+        let (ProbedBalls { radius: ball, stem, .. }, Stylus { radius, length, shaft, body }) =
+            (self.balls, self.stylus);
+        format!(
+            "balls of {ball} mm radius on stems of {stem}, a stylus ball of {radius}, {length} mm from its middle to \
+             the probe, a shaft of {shaft} and a probe of {body}"
+        )
+    }
 }
 
 impl MeasuringProgram {
@@ -187,6 +202,7 @@ impl MeasuringProgram {
             sets: (1..=route.len()).collect(),
             calls: calls.collect(),
             radii: text(request.balls.radius + request.stylus.radius),
+            checked: request.words(),
             within: format!("{}", request.balls.within),
             fast: format!("{}", FEEDS[1]),
             slow: format!("{slow}"),
@@ -201,6 +217,7 @@ impl MeasuringProgram {
             machine: machine.name().to_owned(),
             controller: manifest.title,
             certainty: manifest.certainty.level.word().to_owned(),
+            checked: request.words(),
             touches: route.iter().map(|set| set.touches.len()).sum(),
             sets: sets
                 .iter()

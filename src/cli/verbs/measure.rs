@@ -96,6 +96,7 @@ fn text(program: &MeasuringProgram, args: &Args) -> String {
         program.controller,
         program.certainty
     );
+    text += &format!("Checked for {}\n", program.checked);
     text +=
         "Every move keeps clear of balls and stems and within the travel; clamps, walls and the table are not known\n";
     text + &match &args.out {
