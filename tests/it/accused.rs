@@ -435,6 +435,41 @@ fn most_troubles_are_named_single_or_two_at_a_time() {
     }
 }
 
+/// A curve that is not fitted is no other unit: whatever is read smaller leaves less.
+#[test]
+fn a_component_that_is_fitted_too_little_is_in_no_other_unit() {
+    for build in 0..3 {
+        for k in 0..3 {
+            let mut campaign = plain(build);
+            let x = campaign.axis("X").unwrap();
+            let [low, high] = campaign.build[x].3.unwrap();
+            campaign.each(|_, row| {
+                let at = 2.0 * (row.0[x] - low) / (high - low) - 1.0;
+                row.3[k] += 0.06 * at * at;
+            });
+            let (said, _) = outcome(&campaign.build, &options(&campaign));
+            assert!(!said.contains("times"), "{build} {k}: {said}");
+        }
+    }
+}
+
+/// All signs are turned: what is fitted turns with them, a curve that the file knows does not.
+#[test]
+fn all_signs_turned_are_named_beside_a_known_curve() {
+    let mut campaign = plain(0);
+    let x = campaign.axis("X").unwrap();
+    campaign.each(|_, row| row.3[0] += 0.096 / 800.0 * row.0[x]);
+    let text = format!("{}errors:\n  EXX: {{ points: [[0 mm, 0 um], [800 mm, 96 um]] }}\n", file(&campaign.build));
+    let machine = loads(&text, &LoadOptions::default(), Run::on_disk()).unwrap().value;
+    let said =
+        |campaign: &Campaign| format!("{:?}", identify(&machine, &options(campaign), Run::on_disk()).map(|_| ()));
+    let good = said(&campaign);
+    assert!(!good.contains("E0543") && !good.contains("W0520"), "{good}");
+    campaign.each(|_, row| row.3 = row.3.map(|d| -d));
+    let turned = said(&campaign);
+    assert!(turned.contains("E0543") && turned.contains("with the readings of the other sign"), "{turned}");
+}
+
 /// A good campaign whose location errors alone are fitted.
 fn plain(build: usize) -> Campaign {
     let mut drawn = (70..).map(|seed| good(&mut Random::new(seed), build, false));

@@ -25,6 +25,10 @@ pub(super) fn all(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Change> {
     let mut list = Vec::new();
     let groups = groups(data);
     components(&mut list, &Scope::All, model, data);
+    // Consistent by themselves, but not with what the machine file knows.
+    if data.iter().any(|m| reads_components(model, m) && m.readings() > 1) {
+        list.push(Change::Values { from: SAME, factor: [-1.0; 3], scope: Scope::All });
+    }
     if data.iter().any(|m| reads_components(model, m)) {
         let frames = [Frame::Workpiece, Frame::Machine, Frame::Tool];
         list.extend(frames.into_iter().filter(|frame| has_other_frame(data, *frame)).map(Change::Frame));
