@@ -124,8 +124,7 @@ fn request(call: &mut Call, options: &ImportOptions) -> Result<ImportRequest, Re
 /// The material of the machine, in words.
 fn material(call: &mut Call, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
     let Some(words) = &options.material else { return Ok(None) };
-    let plausible = |of: &Thermal| of.temperature.abs() <= 100.0 && of.expansion.abs() <= 1e-3;
-    match standards::thermal(words).filter(plausible) {
+    match standards::thermal(words).filter(Thermal::is_plausible) {
         Some(found) => Ok(Some(found)),
         None => call.usage(format!(
             "`{}` is no material: write its temperature times its expansion, such as `22.5 degC x 11.5 um/m/K`",

@@ -37,14 +37,14 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, ClampedTool, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, NEEDED,
-    Parameter, ParameterTerm, PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters,
+    BasisFunction, Clamping, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, NEEDED, Parameter,
+    ParameterTerm, PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters,
     parameters_for, parse_gauge, parse_prior, slope_bounds, type_b, unused_entries, with_command_line,
 };
 pub(crate) use solve::both_tails;
 pub use solve::{
     Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,
-    form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
+    form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, typical_size, unheld,
 };
 pub use suspect::{Circumstances, Suspicion, suspect};

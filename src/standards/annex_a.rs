@@ -43,6 +43,16 @@ pub struct Thermal {
     pub expansion: f64,
 }
 
+impl Thermal {
+    /// Coefficients of what machines, gauges and parts are made of: Invar 1, steel 11.5, zinc 30 um/m/K.
+    const MAX_EXPANSION: f64 = 6e-5;
+
+    /// True of machines in a room.
+    pub fn is_plausible(&self) -> bool {
+        self.temperature.abs() <= 100.0 && self.expansion.abs() <= Self::MAX_EXPANSION
+    }
+}
+
 /// Reads a temperature times an expansion: `0.7 K x 12 um/m/K`, `22.5 degC x 11.5 um/m/K`.
 pub fn thermal(words: &str) -> Option<Thermal> {
     let (temperature, expansion) = words.split_once(" x ")?;

@@ -4,8 +4,8 @@ use super::{IdentifyOptions, NamedSvg};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Order;
 use crate::identify::verdict::problem::Problem;
-use crate::identify::verdict::remarks::entries_without_effect;
-use crate::identify::{MonomialComponent, moore_penrose};
+use crate::identify::verdict::remarks::{entries_without_effect, unlikely_sizes};
+use crate::identify::{MonomialComponent, moore_penrose, typical_size};
 use crate::job::machine_file::MachineFile;
 use crate::report::fit_planes::draw_monomials;
 use crate::run::{Call, Reply, Run};
@@ -68,6 +68,7 @@ pub fn fit_monomials(file: &MachineFile, options: &IdentifyOptions, run: Run) ->
             let message = "the papers' way takes deviations dx, dy, dz only";
             return call.refuse(Diagnostic::new(codes::E0510, message).help(help));
         };
+        call.extend(unlikely_sizes(typical_size(&model, &problem.rows), 0.0));
         let pictures = if options.pictures {
             draw_monomials(&model, &problem.rows, &components).or_else(|refusal| call.refuse(refusal))?
         } else {

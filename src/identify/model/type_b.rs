@@ -54,6 +54,9 @@ pub fn type_b(words: &str) -> Result<TypeB, Refusal> {
     let Some((name, effect)) = found else {
         return Err(refusal("is no name with a length, a ratio or a temperature times an expansion"));
     };
+    if thermal(&list[name.len()..].join(" ")).is_some_and(|of| !of.is_plausible()) {
+        return Err(refusal("has an expansion or a temperature of no machine: steel has 11.5 um/m/K"));
+    }
     let (SharedEffect::Scale(size) | SharedEffect::Offset(size)) = effect;
     if size > 0.0 && size.is_finite() {
         Ok(TypeB { name: name.join(" "), effect })
@@ -138,7 +141,17 @@ mod tests {
         let (name, scale) = effect("steel 0.5 K x 11.5 um/m/K").unwrap();
         assert_eq!(name, "steel");
         assert!(matches!(scale, SharedEffect::Scale(x) if (x - 5.75e-6).abs() < 1e-18), "{scale:?}");
-        for wrong in ["", "laser", "0.5 um/m", "laser 0.5", "laser 5 urad", "laser 0 um", "laser -1 um", "steel 1 K"] {
+        for wrong in [
+            "",
+            "laser",
+            "0.5 um/m",
+            "laser 0.5",
+            "laser 5 urad",
+            "laser 0 um",
+            "laser -1 um",
+            "steel 1 K",
+            "steel 1 K x 115 um/m/K",
+        ] {
             assert!(type_b(wrong).is_err(), "{wrong}");
         }
     }

@@ -49,7 +49,6 @@ fn rms(vectors: &[Vector3<f64>]) -> f64 {
 impl Residuals {
     /// Compares the measurements with the machine before a fit and after it, where `theta` are the stated unknowns.
     pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &[f64], seen: &FitInData) -> Self {
-        let start = model.start();
         let before = seen.residuals_before(model, data, &fit.weights);
         let after = seen.residuals(model, data);
         let orders: Vec<[Vector3<f64>; 3]> = data.par_iter().map(|m| orders(model, m, theta)).collect();
@@ -59,7 +58,7 @@ impl Residuals {
         };
         Self {
             before: rms(&before),
-            typical: typical(data, &model.residuals(data, &start)),
+            typical: typical_size(model, data),
             typical_turn: median_of(data, &before, |kind| matches!(kind, ReadingKind::Turn(_))),
             after: rms(&after),
             kinds: kinds(data, &after),
@@ -70,9 +69,10 @@ impl Residuals {
     }
 }
 
-/// Returns the median length over readings that need no instrument unknowns.
-fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    median_of(data, before, |kind| {
+/// Returns the median length (mm) of what is read with the machine of the file, over readings that need no instrument
+/// unknowns.
+pub fn typical_size(model: &FitModel<'_>, data: &[Measurement]) -> f64 {
+    median_of(data, &model.residuals(data, &model.start()), |kind| {
         !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch | ReadingKind::Turn(_))
     })
 }

@@ -1,11 +1,14 @@
 //! The covariance of the unknowns by what all readings share.
 
 use super::fit::ParameterFit;
-use super::solution::Solution;
+use super::solution::{CommonEffects, Solution};
 use super::sums::parallel_sum;
 use crate::identify::data::Measurement;
 use crate::identify::model::{FitModel, OffsetChannel, TypeB};
 use nalgebra::{DMatrix, DVector};
+
+/// Effects (mm, rad) up to this are rounding.
+const MAX_ROUNDING: f64 = 1e-12;
 
 /// Returns the covariance of the unknowns, in their units, by uncertainties of type B: `sum (C J^T s) (C J^T s)^T` over
 /// the effects s of one standard uncertainty each, in every channel, on the readings.
@@ -15,7 +18,7 @@ pub fn common(
     fit: &ParameterFit,
     solution: &Solution,
     all: &[TypeB],
-) -> DMatrix<f64> {
+) -> CommonEffects {
     let count = fit.theta.len();
     let add = |sums: &mut Shifts, m: &Measurement, weight: f64| {
         let (unknowns, _) = model.rows(m, &fit.theta);
@@ -29,11 +32,16 @@ pub fn common(
     };
     let shifts = parallel_sum(data, &fit.weights, Shifts::default, add, |sums, more| sums.plus(more, count));
     if shifts.columns.is_empty() {
-        return DMatrix::zeros(count, count);
+        return CommonEffects { covariance: DMatrix::zeros(count, count), idle: (0..all.len()).collect() };
     }
     let root = solution.covariance_root();
     let effects = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
-    &effects * effects.transpose()
+    let moves = |k: usize| {
+        let own = shifts.causes.iter().zip(effects.column_iter()).filter(|((of, _), _)| *of == k);
+        own.into_iter().any(|(_, effect)| effect.amax() > MAX_ROUNDING)
+    };
+    let idle = (0..all.len()).filter(|k| !moves(*k)).collect();
+    CommonEffects { covariance: &effects * effects.transpose(), idle }
 }
 
 /// An uncertainty, by its index, in one channel.

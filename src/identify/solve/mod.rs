@@ -26,7 +26,7 @@ mod volume;
 mod weighing;
 
 pub use bend::Bend;
-pub use checks::{Outlier, Residuals, held_out};
+pub use checks::{Outlier, Residuals, held_out, typical_size};
 pub use common::common;
 pub use datum::{DatumChange, DatumConditions, RigidMotionRemoved, in_datum, measured_ranges};
 pub use fit::{ParameterFit, Scatter, fit};

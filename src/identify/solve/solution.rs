@@ -58,6 +58,14 @@ struct SharedCovariance {
     common: DMatrix<f64>,
 }
 
+/// What uncertainties that all readings share make of the unknowns.
+pub struct CommonEffects {
+    /// The covariance of the unknowns, in their units.
+    pub(super) covariance: DMatrix<f64>,
+    /// Indices of the uncertainties that move no unknown.
+    pub(super) idle: Vec<usize>,
+}
+
 impl SharedCovariance {
     /// Returns that of linear functions (rows) of the parameters: `map C map^T`.
     fn through(&self, map: &DMatrix<f64>) -> Self {
@@ -119,6 +127,8 @@ pub struct Solution {
     units: DVector<f64>,
     /// Covariance beyond what the scatter of single readings makes.
     shared: SharedCovariance,
+    /// Indices of the uncertainties common to all readings that move no unknown.
+    pub idle_common: Vec<usize>,
     /// The null space as a reduced echelon basis, by displacements.
     null_echelon: Vec<DVector<f64>>,
     /// Basis (columns, by displacements) of the null space to first order, if it is larger than the exact one.
@@ -196,6 +206,7 @@ impl Solution {
             degrees_of_freedom,
             units,
             shared: SharedCovariance { form, common: none },
+            idle_common: Vec::new(),
             root,
             parameter_freedom,
             null_basis,
@@ -210,10 +221,11 @@ impl Solution {
     }
 
     /// Adds covariances by what readings share: the form of the axes, and what is common to all.
-    pub fn add_covariances(mut self, form: Option<&FormCovariance>, common: DMatrix<f64>) -> Self {
+    pub fn add_covariances(mut self, form: Option<&FormCovariance>, common: CommonEffects) -> Self {
         let none = || DMatrix::zeros(self.units.len(), self.units.len());
         let form = form.cloned().unwrap_or_else(|| FormCovariance { all: none(), unmodelled: none() });
-        self.shared = SharedCovariance { form, common };
+        self.idle_common = common.idle;
+        self.shared = SharedCovariance { form, common: common.covariance };
         self.combine();
         self
     }

@@ -26,6 +26,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         (!fitted.fit.converged).then(unsettled),
         lack_of_fit(fitted),
         refuted(fitted),
+        idle_type_b(fitted),
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),
@@ -55,6 +56,15 @@ pub(crate) fn entries_without_effect(list: &[String]) -> Option<Diagnostic> {
     let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
     let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
     (!list.is_empty()).then(|| warning(codes::W0509, message, help))
+}
+
+/// Warns of uncertainties of type B that move no unknown.
+fn idle_type_b(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let names: Vec<String> =
+        fitted.solution.idle_common.iter().map(|k| format!("`{}`", fitted.type_b[*k].name)).collect();
+    let message = format!("type B without effect on any fitted value: {}", names.join(", "));
+    let help = "such readings are relative, and their set-up takes what they share: state it of readings that hold it";
+    (!names.is_empty()).then(|| warning(codes::W0509, message, help))
 }
 
 fn um(mm: f64) -> String {
@@ -106,9 +116,14 @@ fn drifting(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     (!names.is_empty()).then(|| warning(codes::W0503, message, help))
 }
 
-/// Warns of sizes that speak of a wrong unit.
 fn sizes(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let Residuals { typical, typical_turn, .. } = fitted.residuals;
+    unlikely_sizes(typical, typical_turn)
+}
+
+/// Warns of sizes that speak of a wrong unit: medians of lengths (mm), and of rotations (mm at the lever of all
+/// rotations).
+pub(crate) fn unlikely_sizes(typical: f64, typical_turn: f64) -> Option<Diagnostic> {
     let unlikely = |size: f64| size > MAX_MEDIAN_MM || (0.0 < size && size < MIN_MEDIAN_MM);
     let off = match (unlikely(typical), unlikely(typical_turn)) {
         (true, _) => format!("half of the readings are {} um", um(typical)),
