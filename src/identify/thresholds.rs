@@ -478,6 +478,9 @@ pub const MAX_CORNER_AXES: usize = 6;
 /// Least share, per touch and mm of a motion (of a rotation over the usual lever), of what its other unknowns do not
 /// take up, for the motion of a feature to be an unknown.
 pub const MIN_TOUCH_SHARE: f64 = 1e-3;
+/// Difference (mm) of two features' sizes up to which they are one size: errors of machines make less, gauges differ by
+/// more.
+pub const MAX_SIZE_GAP_MM: f64 = 0.5;
 /// Standard uncertainty (mm, of an angle over the usual lever) of an unknown of an instrument that is fixed: below the
 /// digits of any reading, and above what rounding makes of the equation beside the readings.
 pub const HELD_MM: f64 = 1e-6;

@@ -443,11 +443,9 @@ fn tools_are_offset_by_themselves_and_in_each_session() {
     assert!((value(&fixed, "tool short run am.X") - 10.0).abs() < 0.01, "{fixed}");
     let all = fit(&machine, "EC0Y,tools-by-run", &[&both], &["--fixed", "tools-by-run"]);
     assert_eq!(names(&all), ["EC0Y"]);
-    for (list, said) in [
-        ("tool,tools", "in two forms"),
-        ("tools,tools-by-run", "in two forms"),
-        ("tool wide.X", "is the tool of no reading"),
-    ] {
+    for (list, said) in
+        [("tool,tools", "in two forms"), ("tools,tools-by-run", "in two forms"), ("tool wide.X", "is of no reading")]
+    {
         let (code, words) = refused(&["identify", text(&machine), "--fit", list, "--data", text(&both)]);
         assert!(code == 1 && words.contains("E0502") && words.contains(said), "{list}: {words}");
     }

@@ -42,13 +42,17 @@ const FACES: [[V3; 4]; 4] = [
     [[0.0, 0.0, 1.0], [0.0, 0.0, 80.0], [45.0, 0.0, 0.0], [0.0, 35.0, 0.0]],
 ];
 
-/// The table of the touches of a block that is displaced and turned on the machine.
-fn campaign(machine: &Sample) -> String {
+/// The table of the touches of blocks (name, and size over that of [`FACES`]) that are displaced and turned on the
+/// machine.
+fn campaign(machine: &Sample, blocks: &[(&str, f64)]) -> String {
     let (turn, shift) = (Rotation3::new(Vector3::new(2e-4, -3e-4, 1e-4)), Vector3::new(0.02, -0.03, 0.01));
     let mut table = "X,Y,Z,A [deg],C [deg],feature,n.x,n.y,n.z\n".to_owned();
     let turns = [[0.0, 0.0], [0.0, 97.0], [0.0, 180.0], [0.0, 270.0], [-60.0, 10.0], [-60.0, 130.0], [-90.0, 45.0]];
     for [a, c] in turns.into_iter().chain([[25.0, 200.0], [-30.0, 310.0]]) {
-        for [normal, middle, u, v] in FACES.map(|face| face.map(Vector3::from)) {
+        let faces = blocks.iter().flat_map(|(name, size)| {
+            FACES.map(|[normal, rest @ ..]| (name, Vector3::from(normal), rest.map(|v| Vector3::from(v) * *size)))
+        });
+        for (name, normal, [middle, u, v]) in faces {
             for [s, t] in [[1.0, 1.0], [-1.0, 0.6], [0.3, -1.0]] {
                 let place = middle + u * s + v * t;
                 let start = [250.0, 225.0, -200.0, a, c];
@@ -66,7 +70,7 @@ fn campaign(machine: &Sample) -> String {
                     at = moved(machine, &at, normal * -off, 0);
                 }
                 let positions: Vec<String> = at.iter().map(|q| format!("{q:.9}")).collect();
-                table += &format!("{},block,{},{},{}\n", positions.join(","), normal.x, normal.y, normal.z);
+                table += &format!("{},{name},{},{},{}\n", positions.join(","), normal.x, normal.y, normal.z);
             }
         }
     }
@@ -82,7 +86,7 @@ fn touches_of_a_block_tell_the_rotary_axes_and_the_probe() {
     let folder = Folder::new("touches");
     let real = sample(&folder.with("real.yaml", &table_table(OF_TABLES)));
     let plain = folder.with("plain.yaml", &table_table("  EX0C: 0 um\n"));
-    let data = folder.with("touches.csv", &campaign(&real));
+    let data = folder.with("touches.csv", &campaign(&real, &[("block", 1.0)]));
     let names: Vec<&str> = OF_TABLES.lines().map(|line| line.trim().split(':').next().unwrap()).collect();
     let fit = json(&[
         "identify",
@@ -112,6 +116,80 @@ fn touches_of_a_block_tell_the_rotary_axes_and_the_probe() {
     }
     let lobe = |word: &str| found(&fit, "instruments", &format!("touch lobe {word}"))["value"].as_f64().unwrap();
     assert!((lobe("cos") - LOBE).abs() < 2e-5 && lobe("sin").abs() < 2e-5, "{fit}");
+}
+
+/// Half the size of a block is in the constant: blocks of two sizes have two, those of one size share it.
+#[test]
+fn features_of_two_sizes_have_a_constant_each() {
+    let folder = Folder::new("touches-sizes");
+    let real = sample(&folder.with("real.yaml", &table_table(OF_TABLES)));
+    let plain = folder.with("plain.yaml", &table_table("  EX0C: 0 um\n"));
+    let blocks = [("large", 1.0), ("small", 0.5), ("again", 1.0)];
+    let data = folder.with("touches.csv", &campaign(&real, &blocks));
+    let names: Vec<&str> = OF_TABLES.lines().map(|line| line.trim().split(':').next().unwrap()).collect();
+    let names = names.join(",");
+    let fit = json(&["identify", text(&plain), "--fit", &names, "--data", text(&data), "--format", "json", "--quiet"]);
+    let constants: Vec<(&str, f64)> = fit["instruments"].as_array().unwrap().iter().map(named).collect();
+    let constants: Vec<_> = constants.into_iter().filter(|(name, _)| name.starts_with("touch constant")).collect();
+    let [(small, of_small), (large, of_large)] = constants[..] else { panic!("{constants:?}") };
+    assert_eq!([small, large], ["touch constant feature small", "touch constant feature large"]);
+    assert!((of_large - of_small - 30.0).abs() < 1e-3, "{constants:?}");
+    for line in OF_TABLES.lines() {
+        let (name, wanted) = line.trim().split_once(": ").unwrap();
+        let wanted: f64 = wanted.split(' ').next().unwrap().parse().unwrap();
+        let value = found(&fit, "parameters", name)["value"].as_f64().unwrap();
+        assert!((value - wanted).abs() < 0.2, "{name}: {value} {wanted}");
+    }
+}
+
+/// A part that is set up anew in each session: its place and turn are fitted for each, and are no part of the machine.
+#[test]
+fn workpieces_are_set_up_by_themselves_in_each_session() {
+    let folder = Folder::new("set-ups");
+    let real = sample(&folder.with("real.yaml", &table_table(OF_TABLES)));
+    let plain = folder.with("plain.yaml", &table_table("  EX0C: 0 um\n"));
+    let mut table = "session,X,Y,Z,A [deg],C [deg],dx [um],dy [um],dz [um]\n".to_owned();
+    let set_ups = [([0.2, -0.1, 0.05], [2e-4, -1e-4, 3e-4]), ([-0.15, 0.3, 0.1], [-3e-4, 2e-4, 1e-4])];
+    for (session, (shift, turn)) in ["am", "pm"].into_iter().zip(set_ups) {
+        let (shift, turn) = (Vector3::from(shift), Rotation3::new(Vector3::from(turn)));
+        for [a, c] in [[0.0, 0.0], [0.0, 120.0], [0.0, 240.0], [-60.0, 30.0], [-90.0, 200.0], [25.0, 310.0]] {
+            for [x, y, z] in [[250.0, 225.0, -200.0], [330.0, 225.0, -220.0], [250.0, 300.0, -150.0]] {
+                let at = [x, y, z, a, c];
+                let [actual, nominal] = tips(&real, &at);
+                // The part lies elsewhere: what it sees of the tip.
+                let read = (turn.inverse() * (actual - shift) - nominal) * 1e3;
+                table += &format!("{session},{x},{y},{z},{a},{c},{},{},{}\n", read.x, read.y, read.z);
+            }
+        }
+    }
+    let data = folder.with("sessions.csv", &table);
+    let names: Vec<&str> = OF_TABLES.lines().map(|line| line.trim().split(':').next().unwrap()).collect();
+    let fit = |set_up: &str, more: &[&str]| {
+        let list = format!("{},{set_up}", names.join(","));
+        let words = ["identify", text(&plain), "--fit", &list, "--data", text(&data), "--format", "json", "--quiet"];
+        json(&[&words[..], more].concat())
+    };
+    let file = folder.file("fitted.yaml");
+    let each = fit("workpiece-by-run", &["--out", text(&file)]);
+    let left = |fit: &Value| fit["rms_um"]["after"].as_f64().unwrap();
+    // Products of a turn of 0.3 mrad and a displacement of 0.3 mm.
+    assert!(left(&each) < 0.1, "{}", left(&each));
+    for line in OF_TABLES.lines() {
+        let (name, wanted) = line.trim().split_once(": ").unwrap();
+        let wanted: f64 = wanted.split(' ').next().unwrap().parse().unwrap();
+        let value = found(&each, "parameters", name)["value"].as_f64().unwrap();
+        assert!((value - wanted).abs() < 0.2, "{name}: {value} {wanted}");
+    }
+    let [am, pm] =
+        ["am", "pm"].map(|run| found(&each, "parameters", &format!("workpiece run {run}.C"))["value"].as_f64());
+    assert!((am.unwrap() - pm.unwrap()).abs() > 150.0, "{each}");
+    assert!(left(&fit("workpiece", &[])) > 50.0);
+    let written = std::fs::read_to_string(&file).unwrap();
+    assert!(written.contains("workpiece: {  } }") && written.contains("workpiece-by-run"), "{written}");
+}
+
+fn named(of: &Value) -> (&str, f64) {
+    (of["name"].as_str().unwrap(), of["value"].as_f64().unwrap())
 }
 
 /// A dial on a straightedge: what is not straight is the machine's, the rest its place.

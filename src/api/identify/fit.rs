@@ -19,8 +19,8 @@ pub struct IdentifyOptions {
     pub data: Vec<PathBuf>,
     /// Files of measurements by name and text; they come after `data`.
     pub texts: Vec<(String, String)>,
-    /// Parameters to fit: `location`, `tool`, `tools`, `tools-by-run`, `workpiece`, `spindle`, `linear`, error names,
-    /// `EXX:poly3`; if empty, the section `identify` of the machine file.
+    /// Parameters to fit: `location`, `tool`, `tools`, `tools-by-run`, `workpiece`, `workpiece-by-run`, `spindle`,
+    /// `linear`, error names, `EXX:poly3`; if empty, the section `identify` of the machine file.
     pub fit: Vec<String>,
     /// Parameters that keep their value although a group names them.
     pub fixed: Vec<String>,

@@ -20,8 +20,8 @@ pub(crate) struct Args {
                      `point`, or a row for each point in their order")]
     axis_poses: Option<PathBuf>,
     /// Parameters to fit: `needed` (location errors that the chain needs), `location`, `tool`, `tools`, `tools-by-run`,
-    /// `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` [default: the section `identify` of the machine file,
-    /// else `needed`].
+    /// `workpiece`, `workpiece-by-run`, `spindle`, `linear`, error names, `EXX:poly3` [default: the section `identify`
+    /// of the machine file, else `needed`].
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fit: Vec<String>,
     /// Parameters that keep their value although a group names them.

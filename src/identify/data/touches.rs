@@ -4,7 +4,7 @@
 
 use super::measurement::{InstrumentUnknown, LEVER_MM};
 use crate::algebra::linear::beside;
-use crate::identify::thresholds::{MIN_TOUCH_SHARE, TOUCH_LOBE_MM};
+use crate::identify::thresholds::{MAX_SIZE_GAP_MM, MIN_TOUCH_SHARE, TOUCH_LOBE_MM};
 use nalgebra::{DVector, Vector3};
 
 /// A touch.
@@ -61,6 +61,37 @@ pub(super) fn beside_features<'m>(
     rest
 }
 
+/// Returns the features (by index) of each size, the smallest first: distances of their touches from the middle, as far
+/// as their places do not take them up, that differ by more than errors of a machine do. A feature that shows no size
+/// goes with the first ones.
+fn sizes(nominal: &[f64], features: &[(String, Vec<usize>)], spans: &[Columns]) -> Vec<Vec<usize>> {
+    let of = |(members, span): (&Vec<usize>, &Columns)| {
+        let ones = beside(DVector::from_element(members.len(), 1.0), &span.0);
+        let far = DVector::from_iterator(members.len(), members.iter().map(|i| nominal[*i]));
+        let square = ones.norm_squared();
+        (square > MIN_TOUCH_SHARE * MIN_TOUCH_SHARE * members.len() as f64).then(|| ones.dot(&far) / square)
+    };
+    let found: Vec<Option<f64>> = features.iter().map(|(_, members)| members).zip(spans).map(of).collect();
+    let mut seen: Vec<(f64, usize)> = found.iter().enumerate().filter_map(|(k, size)| Some(((*size)?, k))).collect();
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for (size, k) in seen {
+        match groups.last_mut() {
+            Some(group) if size - last <= MAX_SIZE_GAP_MM => group.push(k),
+            _ => groups.push(vec![k]),
+        }
+        last = size;
+    }
+    let unseen = (0..features.len()).filter(|k| found[*k].is_none());
+    match groups.first_mut() {
+        Some(first) => first.extend(unseen),
+        None => groups.push(unseen.collect()),
+    }
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups
+}
+
 const MOTIONS: [&str; 6] = ["x", "y", "z", "A", "B", "C"];
 
 impl TouchUnknowns {
@@ -78,33 +109,41 @@ impl TouchUnknowns {
         for (name, members) in features {
             spans.push(all.add_feature(touches, name, members, if are_balls { 3 } else { 6 }));
         }
+        let sizes = sizes(&all.nominal, features, &spans);
         let mut tools: Vec<usize> = touches.iter().map(|touch| touch.tool).collect();
         tools.sort_unstable();
         tools.dedup();
         let mut own = Columns::default();
         for tool in tools {
-            // Radius less pre-travel; pre-travel with three lobes turns with the probe.
+            // Radius less pre-travel, of features of each size by itself.
+            for size in &sizes {
+                let is_of = |i: &usize| touches[*i].tool == tool;
+                let members = || size.iter().flat_map(|of| &features[*of].1).copied().filter(is_of);
+                let mut column = DVector::zeros(count);
+                members().for_each(|i| column[i] = 1.0);
+                let rest = beside_features(&column, features.iter().map(|(_, members)| members), &spans);
+                if own.add(&rest) {
+                    let of = match (&sizes[..], size.first()) {
+                        ([_, _, ..], Some(first)) => format!(" {}", features[*first].0),
+                        _ => String::new(),
+                    };
+                    let name = format!("touch constant{of}{}", tool_name(tool));
+                    all.push(name, false, None, members().map(|i| (i, 1.0)));
+                }
+            }
+            // Pre-travel with three lobes turns with the probe.
             let lobe = |touch: &Touch, part: usize| {
                 let [x, y] = [touch.in_tool.x, touch.in_tool.y];
                 let angle = 3.0 * libm::atan2(y, x);
                 libm::hypot(x, y) * if part == 1 { libm::cos(angle) } else { libm::sin(angle) }
             };
-            let share = |touch: &Touch, part: usize| match part {
-                _ if touch.tool != tool => 0.0,
-                0 => 1.0,
-                _ => lobe(touch, part),
-            };
-            for (part, word) in ["constant", "lobe cos", "lobe sin"].into_iter().enumerate() {
+            let share = |touch: &Touch, part: usize| if touch.tool == tool { lobe(touch, part) } else { 0.0 };
+            for (part, word) in [(1, "cos"), (2, "sin")] {
                 let column = DVector::from_iterator(count, touches.iter().map(|touch| share(touch, part)));
                 let rest = beside_features(&column, features.iter().map(|(_, members)| members), &spans);
                 if own.add(&rest) {
-                    let known = (part > 0).then_some(TOUCH_LOBE_MM);
-                    all.push(
-                        format!("touch {word}{}", tool_name(tool)),
-                        false,
-                        known,
-                        column.iter().copied().enumerate(),
-                    );
+                    let name = format!("touch lobe {word}{}", tool_name(tool));
+                    all.push(name, false, Some(TOUCH_LOBE_MM), column.iter().copied().enumerate());
                 }
             }
         }

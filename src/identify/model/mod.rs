@@ -28,7 +28,7 @@ pub use monomials::{MonomialCoefficient, MonomialComponent, Rms, moore_penrose};
 pub(super) use observation::{Observation, ReadingSubject, Slope, observe, single};
 pub(super) use parameter::approach_weight;
 pub(super) use parameter::sizes;
-pub use parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound};
+pub use parameter::{BasisFunction, Clamping, Parameter, ParameterTerm, SlopeBound};
 pub(super) use prediction::zero_unread;
 pub use prediction::{FitModel, RigidMotion};
 pub(super) use prior::Prior;

@@ -50,23 +50,23 @@ pub struct ParameterTerm {
     pub factor: f64,
     /// Acts in this direction of approach only; half in their mean. `Mean`: always.
     pub approach: Approach,
-    /// Acts on readings with this tool only.
-    pub only: Option<ClampedTool>,
+    /// Acts on readings with this tool, or of this run, only.
+    pub only: Option<Clamping>,
 }
 
-/// A tool as it was clamped: for all readings, or for those of one run (or without a run).
+/// A tool, or the workpiece, as it was clamped: for all readings, or for those of one run (or without a run).
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ClampedTool {
-    /// Index in [`Machine::tools`].
-    pub tool: usize,
+pub struct Clamping {
+    /// Index in [`Machine::tools`]; none for the workpiece.
+    pub tool: Option<usize>,
     /// Its run, where each run has a clamping of its own.
     pub run: Option<Option<String>>,
 }
 
-impl ClampedTool {
+impl Clamping {
     /// True if a measurement was taken with it.
     pub(crate) fn holds(&self, m: &Measurement) -> bool {
-        self.tool == m.tool && self.run.as_ref().is_none_or(|run| *run == m.run)
+        self.tool.is_none_or(|tool| tool == m.tool) && self.run.as_ref().is_none_or(|run| *run == m.run)
     }
 }
 
@@ -143,9 +143,14 @@ impl Parameter {
         Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
     }
 
-    /// True if it is of a tool as it was clamped: fitted and reported, and no part of the fitted machine.
+    /// True if it is of a tool or workpiece as it was clamped: fitted and reported, and no part of the fitted machine.
     pub fn is_clamping(&self) -> bool {
         self.terms.iter().any(|term| term.only.is_some())
+    }
+
+    /// True if it is of the workpiece as it was clamped for one run.
+    pub(crate) fn is_workpiece_clamping(&self) -> bool {
+        self.terms.iter().any(|term| term.only.as_ref().is_some_and(|of| of.tool.is_none()))
     }
 
     /// True if it belongs to an instrument or a set-up.

@@ -4,7 +4,7 @@
 use super::gauge::Gauge;
 use super::known::PriorValue;
 use super::observation::{Observation, ReadingSubject, observe, rotate, single};
-use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound, approach_weight};
+use super::parameter::{BasisFunction, Clamping, Parameter, ParameterTerm, SlopeBound, approach_weight};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual, hat};
 use crate::evaluate::Order;
@@ -67,7 +67,7 @@ struct TermLink {
     function: usize,
     factor: f64,
     approach: Approach,
-    only: Option<ClampedTool>,
+    only: Option<Clamping>,
 }
 
 impl TermLink {

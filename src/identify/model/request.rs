@@ -3,7 +3,7 @@
 //! direction of approach for itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves::{self, MAX_POWER};
-use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound, source};
+use super::parameter::{BasisFunction, Clamping, Parameter, ParameterTerm, SlopeBound, source};
 use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
 use crate::analysis::LocationSet;
@@ -13,20 +13,21 @@ use crate::identify::lists::index_of;
 use crate::identify::thresholds::DESIGN_RANK_TOLERANCE;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, basis_of_term,
-    parse_error_name,
+    Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, FITTED_GROUPS, Machine,
+    basis_of_term, parse_error_name,
 };
 use crate::syntax::{IdentifyEntry, Scalar};
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use nalgebra::{DMatrix, DVector};
 
-const GROUPS: [&str; 8] = ["location", NEEDED, "tool", TOOLS, TOOLS_BY_RUN, "workpiece", "spindle", "linear"];
 /// The smallest complete set of location errors of the chain.
 pub const NEEDED: &str = "needed";
 /// Every tool by itself.
 const TOOLS: &str = "tools";
 /// Every tool by itself in each run.
 const TOOLS_BY_RUN: &str = "tools-by-run";
+/// Group of the displacements and rotations of the workpiece in every run.
+const WORKPIECE_BY_RUN: &str = "workpiece-by-run";
 
 /// Returns the parameters of a request for a machine with all its tools, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
@@ -286,7 +287,7 @@ const OWN: &str = "own";
 fn fixed_names(machine: &Machine, word: &str, list: &[Parameter], uses: &[ToolUse]) -> Result<Vec<String>, Refusal> {
     let request = IdentifyEntry::default();
     refuse_unread(machine, word, uses)?;
-    if GROUPS.contains(&word) {
+    if FITTED_GROUPS.contains(&word) {
         return Ok(parameters_of_word(machine, word, &request, uses)?.into_iter().map(|p| p.name).collect());
     }
     if list.iter().any(|p| p.name == word) {
@@ -317,6 +318,7 @@ fn parameters_of_word(
         "spindle" => Ok(six(machine, machine.axes().len()).collect()),
         "tool" => Ok(setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool)),
         "workpiece" => Ok(setup(machine, ErrorSite::Workpiece, "workpiece", &machine.setup().workpiece)),
+        WORKPIECE_BY_RUN => Ok(clamped_workpieces(machine, uses)),
         "linear" => Ok(linear(machine)),
         TOOLS | TOOLS_BY_RUN => Ok(clamped_tools(machine, uses, word == TOOLS_BY_RUN)),
         _ => match named_parameter(machine, word, request, uses) {
@@ -328,7 +330,7 @@ fn parameters_of_word(
 
 /// Returns the one parameter that reports call so: `tool.X`, `tool long.X`, `EXX:slope`, `EXX:x^2`, `ECC:cos1`.
 fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry, uses: &[ToolUse]) -> Option<Parameter> {
-    if word.starts_with("tool ") {
+    if is_of_clamping(word) {
         return each_clamping(machine, uses).find(|parameter| parameter.name == word);
     }
     let whole = match word.split_once(':') {
@@ -336,7 +338,7 @@ fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry, uses:
             "slope" => "linear".to_owned(),
             basis => format!("{error}:{basis}"),
         },
-        None => word.split_once('.').map(|(set_up, _)| set_up).filter(|word| GROUPS.contains(word))?.to_owned(),
+        None => word.split_once('.').map(|(set_up, _)| set_up).filter(|word| FITTED_GROUPS.contains(word))?.to_owned(),
     };
     parameters_of_word(machine, &whole, request, uses).ok()?.into_iter().find(|parameter| parameter.name == word)
 }
@@ -369,14 +371,19 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
     starts.iter().zip(Direction::ALL).map(one).collect()
 }
 
-/// Returns the offsets of every tool in use, then those in each run.
-fn each_clamping(machine: &Machine, uses: &[ToolUse]) -> impl Iterator<Item = Parameter> {
-    clamped_tools(machine, uses, false).into_iter().chain(clamped_tools(machine, uses, true))
+fn is_of_clamping(word: &str) -> bool {
+    word.starts_with("tool ") || word.starts_with("workpiece ")
 }
 
-/// Refuses a tool, or a run of it, of which there is no reading.
+/// Returns the offsets of every tool in use, then those in each run, and those of the workpiece in each run.
+fn each_clamping(machine: &Machine, uses: &[ToolUse]) -> impl Iterator<Item = Parameter> {
+    let tools = [false, true].map(|by_run| clamped_tools(machine, uses, by_run));
+    tools.into_iter().flatten().chain(clamped_workpieces(machine, uses))
+}
+
+/// Refuses a tool, or a run, of which there is no reading.
 fn refuse_unread(machine: &Machine, word: &str, uses: &[ToolUse]) -> Result<(), Refusal> {
-    if !word.starts_with("tool ") {
+    if !is_of_clamping(word) {
         return Ok(());
     }
     let names: Vec<String> = each_clamping(machine, uses).map(|parameter| parameter.name).collect();
@@ -384,33 +391,53 @@ fn refuse_unread(machine: &Machine, word: &str, uses: &[ToolUse]) -> Result<(), 
     if names.contains(&word) {
         return Ok(());
     }
-    Err(refusal(format!("`{}` is the tool of no reading", shown(word)), did_you_mean(word, &names)))
+    Err(refusal(format!("`{}` is of no reading", shown(word)), did_you_mean(word, &names)))
 }
 
 /// Returns the three offsets of the tip for every tool in use, of each of its runs if these are clampings of their own.
 fn clamped_tools(machine: &Machine, uses: &[ToolUse], by_run: bool) -> Vec<Parameter> {
     let mut list: Vec<Parameter> = Vec::new();
     for ToolUse { tool, run } in uses {
-        let only = ClampedTool { tool: *tool, run: by_run.then(|| run.clone()) };
+        let only = Clamping { tool: Some(*tool), run: by_run.then(|| run.clone()) };
         if list.iter().any(|p| p.terms.iter().any(|term| term.only.as_ref() == Some(&only))) {
             continue;
         }
-        let of_run = run.iter().filter(|_| by_run).map(|run| format!(" run {}", shown(run)));
+        let of_run = if by_run { of_run(run) } else { String::new() };
         // The only tool of a machine may be without a name.
         let label = Some(shown(&machine.tools()[*tool].name)).filter(|name| !name.is_empty());
         let label = label.unwrap_or_else(|| (tool + 1).to_string());
-        let name = format!("tool {label}{}", of_run.collect::<String>());
-        let mut three = setup(machine, ErrorSite::Tool, &name, &machine.setup().tool);
-        three.iter_mut().flat_map(|p| &mut p.terms).for_each(|term| term.only = Some(only.clone()));
-        list.extend(three);
+        let three = setup(machine, ErrorSite::Tool, &format!("tool {label}{of_run}"), &machine.setup().tool);
+        list.extend(clamped(three, &only));
     }
     list
+}
+
+/// Returns the displacements and rotations of the workpiece in every run.
+fn clamped_workpieces(machine: &Machine, uses: &[ToolUse]) -> Vec<Parameter> {
+    let runs: IndexSet<&Option<String>> = uses.iter().map(|of| &of.run).collect();
+    let six = |run: &Option<String>| {
+        let name = format!("workpiece{}", of_run(run));
+        let six = setup(machine, ErrorSite::Workpiece, &name, &machine.setup().workpiece);
+        clamped(six, &Clamping { tool: None, run: Some(run.clone()) }).collect::<Vec<_>>()
+    };
+    runs.into_iter().flat_map(six).collect()
+}
+
+fn of_run(run: &Option<String>) -> String {
+    run.iter().map(|run| format!(" run {}", shown(run))).collect()
+}
+
+fn clamped(list: Vec<Parameter>, only: &Clamping) -> impl Iterator<Item = Parameter> {
+    list.into_iter().map(|mut parameter| {
+        parameter.terms.iter_mut().for_each(|term| term.only = Some(only.clone()));
+        parameter
+    })
 }
 
 fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
-        let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &GROUPS));
+        let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &FITTED_GROUPS));
         return Err(refusal(message, help));
     };
     let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);
@@ -461,7 +488,7 @@ fn parameters_of_error(machine: &Machine, word: &str, request: &IdentifyEntry) -
 fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refusal> {
     let help =
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
-    if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
+    if FITTED_GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
         return Err(refusal(
             format!("`{}` cannot be the name of a parameter: it has another meaning", shown(name)),
             help,

@@ -65,14 +65,16 @@ fn unnoticed(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit) -> 
         let start = set_up[direction.index()];
         Parameter::single(machine, String::new(), source, BasisFunction::Constant, start)
     };
-    let own = model.own();
+    let parameters = model.parameters();
+    let follows = |j: &usize| *j >= model.own() || parameters[*j].is_workpiece_clamping();
+    let followers: Vec<usize> = (0..parameters.len()).filter(follows).collect();
     let unknowns: Vec<Parameter> =
-        Direction::ALL.iter().map(of).chain(model.parameters()[own..].iter().cloned()).collect();
-    let theta: Vec<f64> = set_up.into_iter().chain(fit.theta[own..].iter().copied()).collect();
+        Direction::ALL.iter().map(of).chain(followers.iter().map(|j| parameters[*j].clone())).collect();
+    let theta: Vec<f64> = set_up.into_iter().chain(followers.iter().map(|j| fit.theta[*j])).collect();
     let moved = model.with_parameters(&unknowns);
     let readings = moved.triangle(data, &vec![1.0; data.len()], &theta);
     // What is known of the places of instruments holds the frame, too.
-    let known = fit.known.columns(own, fit.theta.len() - own).into_owned();
+    let known = fit.known.select_columns(&followers);
     let mut known = known.insert_columns(0, 6, 0.0);
     known.row_iter_mut().for_each(|mut row| {
         let size = row.amax();

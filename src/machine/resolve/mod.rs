@@ -30,6 +30,7 @@ pub use errors::{largest, largest_stated, plausible_size};
 pub use names::parse_error_name;
 pub use questions::questions;
 pub use sides::{CLASS_ANGLES, no_origin};
+pub use uses::FITTED_GROUPS;
 
 use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Origins};
 use crate::diagnostic::{Diagnostics, codes};

@@ -9,7 +9,9 @@ use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{Direction, basis_of_term, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
-const GROUPS: [&str; 8] = ["location", "needed", "tool", "tools", "tools-by-run", "workpiece", "spindle", "linear"];
+/// Words for groups of what a fit determines.
+pub const FITTED_GROUPS: [&str; 9] =
+    ["location", "needed", "tool", "tools", "tools-by-run", "workpiece", "workpiece-by-run", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
@@ -76,7 +78,7 @@ pub fn identify(context: &mut Context, known: &JointNames<'_>) {
                 basis(context, form, knotted(without_direction(name)), &at);
             }
             let own = entry.parameters.contains_key(name) || is_setup(name);
-            if !GROUPS.contains(&name) && !own {
+            if !FITTED_GROUPS.contains(&name) && !own {
                 fit(context, known, without_direction(name), &at);
             }
         }
@@ -141,7 +143,7 @@ fn without_direction(name: &str) -> &str {
 
 /// A word near a group is meant as one.
 fn fit(context: &mut Context, known: &JointNames<'_>, name: &str, at: &Keys) {
-    match crate::diagnostic::nearest(name, GROUPS) {
+    match crate::diagnostic::nearest(name, FITTED_GROUPS) {
         Some(near) => {
             let message = format!("`{}` is neither an error nor a group", shown(name));
             context.at_value(codes::E0405, at, message, format!("did you mean `{near}`?"));
