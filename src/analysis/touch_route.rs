@@ -36,6 +36,49 @@ pub struct Stylus {
     pub body: f64,
 }
 
+/// Sizes of a touch probe and of the balls that it touches, mm.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct ProbeSizes {
+    /// Radius of the balls; above 0.
+    #[serde(rename = "ball_radius")]
+    pub ball_radius_mm: f64,
+    /// The stylus; the functional point of the machine file is the middle of its ball.
+    pub stylus: Stylus,
+    /// Radius of the stems of the balls, along -Z of the workpiece; half that of the balls by default.
+    #[serde(rename = "stem")]
+    pub stem_mm: Option<f64>,
+    /// Distance that each ball may be away from its place; above 0.
+    #[serde(rename = "within")]
+    pub within_mm: f64,
+}
+
+/// Balls of 25 mm within 1 mm, a stylus of 6 mm that is 50 mm long.
+impl Default for ProbeSizes {
+    fn default() -> Self {
+        let stylus = Stylus { radius: 3.0, length: 50.0, shaft: 2.0, body: 20.0 };
+        Self { ball_radius_mm: 12.5, stylus, stem_mm: None, within_mm: 1.0 }
+    }
+}
+
+impl ProbeSizes {
+    /// True if all are above 0, and the shaft of the stylus is thinner than its ball.
+    pub fn are_possible(&self) -> bool {
+        let Stylus { radius, length, shaft, body } = self.stylus;
+        let all = [self.ball_radius_mm, self.within_mm, radius, length, shaft, body, self.stem()];
+        all.iter().all(|x| *x > 0.0 && x.is_finite()) && shaft < radius
+    }
+
+    fn stem(&self) -> f64 {
+        self.stem_mm.unwrap_or(self.ball_radius_mm / 2.0)
+    }
+
+    /// Returns balls of this size with their middles at these places (mm, from the workpiece origin).
+    pub fn balls(&self, centres: Vec<Vector3<f64>>) -> ProbedBalls {
+        ProbedBalls { centres, radius: self.ball_radius_mm, stem: self.stem(), within: self.within_mm }
+    }
+}
+
 /// Balls of one size on the workpiece.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbedBalls {
@@ -141,6 +184,12 @@ pub fn touch_route(
         blocked = to;
     }
     Err(RouteFailure::Between(blocked))
+}
+
+/// Returns where the axes are with the stylus in the middle of a ball, in a pose whose rotary axes count; none if the
+/// ball cannot be touched so.
+pub fn touchable(machine: &Machine, balls: &ProbedBalls, stylus: Stylus, ball: usize, pose: &Pose) -> Option<Pose> {
+    Scene { machine, balls, stylus }.set(0, ball, pose).ok().map(|set| set.middle)
 }
 
 impl Scene<'_> {

@@ -1,6 +1,6 @@
 //! A measuring program: balls on the workpiece, touched in poses of the rotary axes.
 
-use crate::analysis::touch_route::{ProbedBalls, RouteFailure, Stylus, touch_route};
+use crate::analysis::touch_route::{ProbeSizes, RouteFailure, touch_route};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::{Measurement, MeasurementSet, Reading, ReadingContext, read_measurements};
 use crate::job::machine_file::MachineFile;
@@ -16,17 +16,9 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct MeasureOptions {
-    /// Radius of the balls; above 0.
-    #[serde(rename = "ball_radius")]
-    pub ball_radius_mm: f64,
-    /// The stylus; the functional point of the machine file is the middle of its ball.
-    pub stylus: Stylus,
-    /// Radius of the stems of the balls, along -Z of the workpiece; half that of the balls by default.
-    #[serde(rename = "stem")]
-    pub stem_mm: Option<f64>,
-    /// Distance that each ball may be away from its place; above 0.
-    #[serde(rename = "within")]
-    pub within_mm: f64,
+    /// Sizes of the probe and of the balls.
+    #[serde(flatten)]
+    pub sizes: ProbeSizes,
     /// Standard deviation of a touch; above 0.
     #[serde(rename = "noise")]
     pub noise_mm: f64,
@@ -34,17 +26,10 @@ pub struct MeasureOptions {
     pub servo_period_s: f64,
 }
 
-/// Balls of 25 mm within 1 mm, a stylus of 6 mm that is 50 mm long, 1 um, 1 ms.
+/// 1 um, 1 ms.
 impl Default for MeasureOptions {
     fn default() -> Self {
-        Self {
-            ball_radius_mm: 12.5,
-            stylus: Stylus { radius: 3.0, length: 50.0, shaft: 2.0, body: 20.0 },
-            stem_mm: None,
-            within_mm: 1.0,
-            noise_mm: 1e-3,
-            servo_period_s: 1e-3,
-        }
+        Self { sizes: ProbeSizes::default(), noise_mm: 1e-3, servo_period_s: 1e-3 }
     }
 }
 
@@ -60,21 +45,18 @@ pub fn measure(
     run: Run,
 ) -> Reply<MeasuringProgram> {
     Call::answer(run, file.sources(), |call| {
-        let Stylus { radius, length, shaft, body } = options.stylus;
-        let stem = options.stem_mm.unwrap_or(options.ball_radius_mm / 2.0);
-        let lengths = [options.ball_radius_mm, options.within_mm, options.noise_mm, radius, length, shaft, body, stem];
-        if !lengths.iter().chain([&options.servo_period_s]).all(|x| *x > 0.0 && x.is_finite()) || shaft >= radius {
+        let MeasureOptions { sizes, noise_mm: noise, servo_period_s: servo_period } = *options;
+        if !sizes.are_possible() || ![noise, servo_period].iter().all(|x| *x > 0.0 && x.is_finite()) {
             return call.usage("lengths and times are above 0, and the shaft of the stylus is thinner than its ball");
         }
         let read =
             read_measurements(&[sets.as_ref()], file, &ReadingContext::default(), run.files, &mut call.diagnostics);
         call.check()?;
         let (names, centres, poses) = balls(&read).or_else(|refusal| call.refuse(refusal))?;
-        let balls = ProbedBalls { centres, radius: options.ball_radius_mm, stem, within: options.within_mm };
-        let route = touch_route(file, &balls, options.stylus, &poses);
+        let balls = sizes.balls(centres);
+        let route = touch_route(file, &balls, sizes.stylus, &poses);
         let route = route.or_else(|failure| call.refuse(blocked(file, &read, &names, &poses, failure)))?;
-        let (noise, servo_period) = (options.noise_mm, options.servo_period_s);
-        let request = ProgramRequest { names: &names, balls: &balls, stylus: options.stylus, noise, servo_period };
+        let request = ProgramRequest { names: &names, balls: &balls, stylus: sizes.stylus, noise, servo_period };
         MeasuringProgram::linuxcnc(file, &route, &request).or_else(|refusal| call.refuse(refusal))
     })
 }

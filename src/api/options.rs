@@ -14,7 +14,7 @@ pub use super::tolerances::ToleranceOptions;
 pub use crate::analysis::Naming;
 pub use crate::analysis::budget::{Distribution, Statistic};
 pub use crate::analysis::instrument::CirclePlane;
-pub use crate::analysis::touch_route::Stylus;
+pub use crate::analysis::touch_route::{ProbeSizes, Stylus};
 pub use crate::compensation::{Fit, Goal, Stored};
 pub use crate::controller::{Limits, TemplateLimit, TemplateWatch};
 pub use crate::evaluate::{Frame, Order};

@@ -7,7 +7,7 @@ use super::Outcome;
 use super::output::session::Session;
 use super::output::view::order;
 use super::store::write::{PictureKind, refuse_outputs, write_picture};
-use abbe::options::{Approach, Frame, Order, Reference};
+use abbe::options::{Approach, Frame, Order, ProbeSizes, Reference, Stylus};
 use abbe::results::Picture;
 use abbe::text::{Reason, parse_length, shown};
 use clap::builder::RangedI64ValueParser;
@@ -301,4 +301,41 @@ pub(crate) struct ViewArgs {
     pub(super) direction: DirectionArg,
     #[command(flatten)]
     pub(super) tool: ToolArg,
+}
+
+/// Sizes of a touch probe and of the balls that it touches.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ProbeArgs {
+    /// Radius of the balls (above 0).
+    #[arg(long, value_name = "LENGTH", value_parser = size, default_value = "12.5 mm")]
+    ball_radius: f64,
+    /// The stylus: radius of its ball, length from there to the body of the probe, radius of the shaft, and of the
+    /// body.
+    #[arg(long, value_name = "LENGTHS", value_parser = stylus, default_value = "3 mm, 50 mm, 2 mm, 20 mm")]
+    stylus: Stylus,
+    /// Radius of the stems of the balls, along -Z of the workpiece (above 0) [default: half that of the balls].
+    #[arg(long, value_name = "LENGTH", value_parser = size)]
+    stem: Option<f64>,
+    /// Distance that a ball may be away from its place (above 0).
+    #[arg(long, value_name = "LENGTH", value_parser = size, default_value = "1 mm")]
+    ball_within: f64,
+}
+
+impl ProbeArgs {
+    pub(super) fn sizes(&self) -> ProbeSizes {
+        let Self { ball_radius, stylus, stem, ball_within } = *self;
+        ProbeSizes { ball_radius_mm: ball_radius, stylus, stem_mm: stem, within_mm: ball_within }
+    }
+}
+
+fn size(text: &str) -> Result<f64, Reason> {
+    length(text, |mm| mm > 0.0 && mm <= 1000.0, "write a length above zero and up to 1 m, such as `12.5 mm`")
+}
+
+fn stylus(text: &str) -> Result<Stylus, Reason> {
+    let lengths = text.split(',').map(|part| size(part.trim())).collect::<Result<Vec<_>, _>>()?;
+    let [radius, length, shaft, body] = lengths[..] else {
+        return Err(Reason::new("write four lengths, such as `3 mm, 50 mm, 2 mm, 20 mm`"));
+    };
+    Ok(Stylus { radius, length, shaft, body })
 }

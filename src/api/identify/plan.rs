@@ -1,6 +1,7 @@
 //! Readings worth taking, and how well they determine the parameters.
 
 use crate::analysis::instrument::within;
+use crate::analysis::touch_route::ProbeSizes;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Frame, Order};
 use crate::identify::verdict::inputs::{FitInputs, FitRange};
@@ -27,9 +28,12 @@ pub struct PlanOptions {
     pub poses: usize,
     /// The instrument; it can take what its kind of readings and the volume allow.
     pub instrument: PlanInstrument,
-    /// R-test: poses at which the functional point is at a ball on the table, such as `X=100,Y=50`; other axes are
+    /// R-test and touch probe: poses at which the functional point is at a ball on the table, such as `X=100,Y=50`; other axes are
     /// where [`InstrumentOptions::at`](crate::InstrumentOptions::at) has them. By default there is one ball.
     pub balls: Vec<String>,
+    /// Sizes of a touch probe and of the balls.
+    #[serde(flatten)]
+    pub probe: ProbeSizes,
     /// Ranges of axes within the volume to which the readings are confined: `A=-60..60,C=0..180`, mm and deg.
     pub ranges: Option<String>,
     /// The readings to choose from, in place of those of an instrument: a file as it is read once it is measured, whose
@@ -54,6 +58,7 @@ impl Default for PlanOptions {
             poses: 20,
             instrument: PlanInstrument::Points,
             balls: Vec::new(),
+            probe: ProbeSizes::default(),
             ranges: None,
             candidates: None,
             fit: Vec::new(),
@@ -158,7 +163,8 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
         let mut chosen = call.stage("readings chosen", options.poses, |advance| {
             plan(&model, rows, options.poses, options.noise_mm, advance)
         })?;
-        if options.candidates.is_some() || rows.iter().any(|row| row.run.is_some()) {
+        let in_order = options.candidates.is_some() || options.instrument == PlanInstrument::Touch;
+        if in_order || rows.iter().any(|row| row.run.is_some()) {
             chosen.sort_unstable();
         }
         let csv = lines(call, &chosen.iter().map(|i| &rows[*i]).collect::<Vec<_>>());
@@ -175,7 +181,8 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
 impl PlanOptions {
     /// The same without what an instrument needs.
     fn of_file(&self) -> Self {
-        Self { instrument: PlanInstrument::Points, balls: Vec::new(), ranges: None, ..self.clone() }
+        let (instrument, probe) = (PlanInstrument::Points, ProbeSizes::default());
+        Self { instrument, balls: Vec::new(), probe, ranges: None, ..self.clone() }
     }
 
     fn inputs<'a>(&'a self, texts: &'a [(String, String)]) -> FitInputs<'a> {
@@ -202,9 +209,16 @@ impl PlanOptions {
 
 /// Returns the table of what the instrument could read.
 fn table(call: &mut Call<'_>, file: &MachineFile, options: &PlanOptions) -> Result<String, Refused> {
-    let of_balls = options.instrument == PlanInstrument::RTest;
+    let touches = options.instrument == PlanInstrument::Touch;
+    let of_balls = touches || options.instrument == PlanInstrument::RTest;
     if !of_balls && !options.balls.is_empty() {
-        return call.usage("balls are of the instrument `r-test`");
+        return call.usage("balls are of the instruments `r-test` and `touch`");
+    }
+    if !touches && options.probe != ProbeSizes::default() {
+        return call.usage("sizes of balls and probe are of the instrument `touch`");
+    }
+    if !options.probe.are_possible() {
+        return call.usage("lengths are above 0, and the shaft of the stylus is thinner than its ball");
     }
     if of_balls && !file.axes().iter().any(|axis| axis.kind == AxisKind::Rotary) {
         return call.usage("the machine has no rotary axis to turn");
@@ -218,11 +232,16 @@ fn table(call: &mut Call<'_>, file: &MachineFile, options: &PlanOptions) -> Resu
     if balls.is_empty() {
         balls.push(usual);
     }
-    options.instrument.table(file, &balls, options.seed).or_else(|why| {
+    let help = "put the ball at another place: `--ball X=250,Y=200`";
+    let table = options.instrument.table(file, &balls, &options.probe, options.seed).or_else(|why| {
         let message = format!("an R-test cannot be driven at a ball: {}", why.words());
-        let help = "put the ball at another place: `--ball X=250,Y=200`";
         call.refuse(Diagnostic::new(codes::E0612, message).help(help))
-    })
+    })?;
+    if touches && table.lines().count() < 2 {
+        let message = "no ball is in reach of the probe with a clear shaft in any pose that was tried";
+        return call.refuse(Diagnostic::new(codes::E0612, message).help(help));
+    }
+    Ok(table)
 }
 
 /// Returns the lines of the chosen readings, below the head of their table.

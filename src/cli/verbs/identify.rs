@@ -1,11 +1,11 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, SeedArg, ToolArg, counts, help};
+use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, ProbeArgs, SeedArg, ToolArg, counts, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::{FitAcceptance, FitRange, Order, PlanInstrument};
+use abbe::options::{FitAcceptance, FitRange, Order, PlanInstrument, ProbeSizes};
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
 
@@ -65,16 +65,19 @@ pub(crate) struct Args {
     /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "folds", "robust"], value_parser = counts(1..=1000))]
     plan: Option<usize>,
-    /// The instrument of a plan: three components at any pose, balls on the table, a tracker, or a laser along lines.
+    /// The instrument of a plan: three components at any pose, balls on the table, a tracker, a laser along lines, or a
+    /// touch probe at balls.
     #[arg(long, value_enum, default_value = "points", requires = "plan", conflicts_with = "data")]
     instrument: PlanInstrument,
-    /// R-test of a plan: a pose at which the functional point is at a ball on the table, other axes in the middle or at
+    /// R-test or touch probe of a plan: a pose at which the functional point is at a ball on the table, other axes in the middle or at
     /// 0. May be repeated [default: one ball, three quarters along the axes].
     #[arg(long, value_name = "X=100,Y=50", requires = "plan")]
     ball: Vec<String>,
     /// Ranges of axes to which the readings of a plan are confined, mm and deg.
     #[arg(long, value_name = "A=-60..60,C=0..180", requires = "plan", conflicts_with = "data")]
     ranges: Option<String>,
+    #[command(flatten)]
+    probe: ProbeArgs,
     #[command(flatten)]
     noise: NoiseArg,
     #[command(flatten)]
@@ -132,6 +135,7 @@ impl Args {
             poses,
             instrument: self.instrument,
             balls: self.ball.clone(),
+            probe: self.probe.sizes(),
             ranges: self.ranges.clone(),
             candidates: self.data.first().cloned(),
             fit: self.fit.clone(),
@@ -154,6 +158,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         }
         let plan = session.take(plan_measurements(&file, &args.plan_options(poses), session.run()))?;
         return session.show(&plan, || plan.csv.clone(), || plan::text(&plan));
+    }
+    if args.probe.sizes() != ProbeSizes::default() {
+        return session.usage("sizes of balls and probe are of a plan: `--plan N --instrument touch`");
     }
     refuse_outputs(session, args)?;
     if args.method == Method::MoorePenrose {

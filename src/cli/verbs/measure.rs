@@ -1,10 +1,9 @@
 //! `abbe measure`: a program that touches balls.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{NoiseArg, ToolArg, help, length};
+use crate::cli::arguments::{NoiseArg, ProbeArgs, ToolArg, help};
 use crate::cli::output::session::Session;
 use crate::cli::store::tree::write_new_folder;
-use abbe::options::Stylus;
 use abbe::results::MeasuringProgram;
 use abbe::text::{Reason, cell, counted};
 use abbe::{MeasureOptions, measure};
@@ -17,19 +16,8 @@ pub(crate) struct Args {
     /// The sets: a table with a row for each ball in a pose, with `ball`, `ball.x [mm]`, `ball.y [mm]`, `ball.z [mm]`
     /// and a column for each rotary axis.
     sets: PathBuf,
-    /// Radius of the balls (above 0).
-    #[arg(long, value_name = "LENGTH", value_parser = size, default_value = "12.5 mm")]
-    ball_radius: f64,
-    /// The stylus: radius of its ball, length from there to the body of the probe, radius of the shaft, and of the
-    /// body.
-    #[arg(long, value_name = "LENGTHS", value_parser = stylus, default_value = "3 mm, 50 mm, 2 mm, 20 mm")]
-    stylus: Stylus,
-    /// Radius of the stems of the balls, along -Z of the workpiece (above 0) [default: half that of the balls].
-    #[arg(long, value_name = "LENGTH", value_parser = size)]
-    stem: Option<f64>,
-    /// Distance that a ball may be away from its place (above 0).
-    #[arg(long, value_name = "LENGTH", value_parser = size, default_value = "1 mm")]
-    ball_within: f64,
+    #[command(flatten)]
+    probe: ProbeArgs,
     /// Time between two looks of the controller at the probe, ms (0.01 to 100).
     #[arg(long, value_name = "MS", value_parser = milliseconds, default_value = "1")]
     servo_period: f64,
@@ -42,18 +30,6 @@ pub(crate) struct Args {
     out: Option<PathBuf>,
 }
 
-fn size(text: &str) -> Result<f64, Reason> {
-    length(text, |mm| mm > 0.0 && mm <= 1000.0, "write a length above zero and up to 1 m, such as `12.5 mm`")
-}
-
-fn stylus(text: &str) -> Result<Stylus, Reason> {
-    let lengths = text.split(',').map(|part| size(part.trim())).collect::<Result<Vec<_>, _>>()?;
-    let [radius, length, shaft, body] = lengths[..] else {
-        return Err(Reason::new("write four lengths, such as `3 mm, 50 mm, 2 mm, 20 mm`"));
-    };
-    Ok(Stylus { radius, length, shaft, body })
-}
-
 fn milliseconds(text: &str) -> Result<f64, Reason> {
     let ms = text.parse::<f64>().ok().filter(|ms| (0.01..=100.0).contains(ms));
     ms.ok_or_else(|| Reason::new("a period is 0.01 to 100 ms"))
@@ -62,10 +38,7 @@ fn milliseconds(text: &str) -> Result<f64, Reason> {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
     let options = MeasureOptions {
-        ball_radius_mm: args.ball_radius,
-        stylus: args.stylus,
-        stem_mm: args.stem,
-        within_mm: args.ball_within,
+        sizes: args.probe.sizes(),
         noise_mm: args.noise.noise.unwrap_or(MeasureOptions::default().noise_mm),
         servo_period_s: args.servo_period / 1e3,
     };

@@ -3,11 +3,13 @@
 
 use super::measurement::{Measurement, Reading};
 use crate::analysis::instrument::within;
+use crate::analysis::touch_route::{ProbeSizes, touchable};
 use crate::analysis::{Unreachable, place};
 use crate::evaluate::random_poses;
-use crate::identify::thresholds::{PLAN_CANDIDATES, PLAN_LINE_POINTS, PLAN_LINES};
+use crate::identify::thresholds::{PLAN_CANDIDATES, PLAN_LINE_POINTS, PLAN_LINES, PLAN_TOUCH_POSES};
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
+use rayon::prelude::*;
 
 /// The instrument for which readings are planned.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -24,18 +26,28 @@ pub enum PlanInstrument {
     /// An interferometer along lines of the linear axes and along diagonals, rotary axes at rest; a line is one of the
     /// readings that are planned.
     Laser,
+    /// A touch probe at balls on the table, in poses of the rotary axes in which it reaches them with a clear shaft.
+    Touch,
 }
 
 impl PlanInstrument {
     /// Returns the table of what it could read within the volume. `balls` are the poses (mm, deg) at which the
-    /// functional point is at a ball. Fails if the linear axes hold the point at none of them.
-    pub fn table(self, machine: &Machine, balls: &[Pose], seed: u64) -> Result<String, Unreachable> {
+    /// functional point is at a ball, `probe` is what touches them. Fails if the linear axes hold the point at none of
+    /// them; a probe that reaches no ball with a clear shaft leaves the head alone.
+    pub fn table(
+        self,
+        machine: &Machine,
+        balls: &[Pose],
+        probe: &ProbeSizes,
+        seed: u64,
+    ) -> Result<String, Unreachable> {
         let table = CandidateTable::new(machine);
         Ok(match self {
             Self::Points => table.of_points("dx [um],dy [um],dz [um]", seed),
             Self::Tracker => table.of_points("tracker.x [mm],tracker.y [mm],tracker.z [mm]", seed),
             Self::RTest => table.at_balls(balls, seed)?,
             Self::Laser => table.of_lines(seed),
+            Self::Touch => table.of_touches(probe, balls, seed),
         })
     }
 }
@@ -109,6 +121,30 @@ impl<'a> CandidateTable<'a> {
                 .for_each(|pose| text += &format!("ball {},{},,,\n", number + 1, self.row(self.machine, pose, 4)));
         }
         Ok(text)
+    }
+
+    /// Balls in poses of the rotary axes in whole degrees, pose by pose: the axes with the stylus in the middle of the
+    /// ball, as they are logged.
+    fn of_touches(&self, sizes: &ProbeSizes, balls: &[Pose], seed: u64) -> String {
+        let machine = self.machine;
+        let place = |at: &Pose| NominalPose::in_part(machine, at).pose.translation;
+        let placed = sizes.balls(balls.iter().map(place).collect());
+        let whole = |(q, of): (&f64, &crate::machine::Grid)| rounded(*q, 0, [of.min, of.max]);
+        let turns: Vec<Pose> = random_poses(machine, PLAN_TOUCH_POSES, seed)
+            .iter()
+            .map(|turn| turn.iter().zip(machine.volume()).map(whole).collect())
+            .collect();
+        let sets: Vec<(&Pose, usize)> =
+            turns.iter().flat_map(|turn| (0..balls.len()).map(move |ball| (turn, ball))).collect();
+        let middle = |(turn, ball): &(&Pose, usize)| touchable(machine, &placed, sizes.stylus, *ball, turn);
+        let found: Vec<Option<Pose>> = sets.par_iter().map(middle).collect();
+        let mut text = format!("ball,ball.x [mm],ball.y [mm],ball.z [mm],{}\n", self.titles);
+        for ((_, ball), middle) in sets.iter().zip(found) {
+            let Some(middle) = middle else { continue };
+            let [x, y, z] = [0, 1, 2].map(|k| libm::round(placed.centres[*ball][k] * 1e4) / 1e4 + 0.0);
+            text += &format!("b{},{x},{y},{z},{}\n", ball + 1, self.row(machine, &middle, 4));
+        }
+        text
     }
 
     /// Lines along each linear axis at random places of the others, and along the diagonals.
