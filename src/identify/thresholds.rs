@@ -237,6 +237,8 @@ pub const MIN_RESIDUAL_SHARE: f64 = 1e-12;
 
 /// Robust standard deviations (RMS of the components) from which a measurement is an outlier.
 pub const OUTLIER_DEVIATIONS: f64 = 4.0;
+/// The same from which on there is a warning: no form of an axis comes there.
+pub const MAX_OUTLYING_DEVIATIONS: f64 = 10.0;
 /// Least residual (mm) of an outlier: residuals of mere rounding have none.
 pub const MIN_OUTLIER_MM: f64 = 1e-6;
 /// Residuals below which tests for randomness say nothing.
@@ -478,6 +480,11 @@ pub const MAX_CORNER_AXES: usize = 6;
 /// Least share, per touch and mm of a motion (of a rotation over the usual lever), of what its other unknowns do not
 /// take up, for the motion of a feature to be an unknown.
 pub const MIN_TOUCH_SHARE: f64 = 1e-3;
+/// Least wandering (mm) of a ball that rests, by the machine file, from which on its points are looked at.
+pub const MIN_WANDER_MM: f64 = 1.0;
+/// Share of it that another point of the file may leave to be named: errors of machines leave less of millimetres, and
+/// readings that are meant to wander more.
+pub const MAX_RESTING_SHARE: f64 = 0.05;
 /// Difference (mm) of two features' sizes up to which they are one size: errors of machines make less, gauges differ by
 /// more.
 pub const MAX_SIZE_GAP_MM: f64 = 0.5;
@@ -499,6 +506,8 @@ pub const TOUCH_LOBE_MM: f64 = 5e-3;
 pub const PLAN_CANDIDATES: usize = 500;
 /// Share of what readings say of all unknowns, which tells apart those that say nothing of the machine yet.
 pub const PLAN_SHARE_OF_ALL: f64 = 1e-6;
+/// Random poses of the rotary axes to choose a plan of touches from: each is driven around each ball on trial.
+pub const PLAN_TOUCH_POSES: usize = 100;
 /// Lines along each axis to choose a plan from.
 pub const PLAN_LINES: usize = 40;
 /// Readings on such a line.

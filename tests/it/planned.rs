@@ -8,6 +8,7 @@ use crate::oracle::machines::Sample;
 use crate::oracle::random::Random;
 use crate::program::{Folder, abbe, json, refused, text};
 use crate::support::config::sample;
+use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -106,6 +107,122 @@ fn balls_are_held_within_the_ranges_and_the_foretold_uncertainty_is_met() {
     }
     let mean = squares / (draws * names.len()) as f64;
     assert!((0.55..1.6).contains(&mean), "{mean}");
+}
+
+/// A ball that rests says which point of the file is not that of the machine on which it was read: an origin with the
+/// wrong sign, a length with two digits exchanged. With the right file nothing is asked.
+#[test]
+fn a_ball_that_would_wander_names_the_point_of_the_file() {
+    let folder = Folder::new("planned-wander");
+    let (plain, real) = machines(&folder);
+    let asked = ["--plan", "16", "--instrument", "r-test", "--ball", "X=300,Y=260", "--ball", "X=200,Y=200,Z=-150"];
+    let (_, csv) = plan(&plain, "EX0C,EY0C,EZ0A,EY0A", &asked);
+    let (titles, rows) = table(&csv);
+    let tips: Vec<[[f64; 3]; 2]> = rows.iter().map(|row| tips(&real, &titles, row)).collect();
+    let first = |row: usize| rows.iter().position(|other| other[0] == rows[row][0]).unwrap();
+    let d = |row: usize, k: usize| (tips[row][0][k] - tips[row][1][k]) * 1e3;
+    let reading =
+        |row: usize| (0..3).map(|k| format!("{:.6}", d(row, k) - d(first(row), k))).collect::<Vec<_>>().join(",");
+    let data = folder.with("filled.csv", &filled(&csv, &reading));
+    let said = |machine: &Path| {
+        let fit = "EX0C,EY0C,EZ0A,EY0A,EB0A,EC0A,EA0C,EB0C";
+        refused(&["identify", text(machine), "--fit", fit, "--data", text(&data)]).1
+    };
+    assert!(!said(&plain).contains("wanders"), "{}", said(&plain));
+    let written = std::fs::read_to_string(&plain).unwrap();
+    for (right, wrong, point, by) in [
+        ("origin: [250, 225, -350]", "origin: [250, 225, 350]", "the origin of A moved by", "-700]"),
+        ("length: 120 mm", "length: 102 mm", "the tip of the tool moved by", "-18]"),
+    ] {
+        assert!(written.contains(right), "{right}: {written}");
+        let words = said(&folder.with("wrong.yaml", &written.replace(right, wrong)));
+        assert!(words.contains("W0520") && words.contains(point) && words.contains(by), "{wrong}: {words}");
+    }
+}
+
+/// Positions of the axes of a walk with the linear ones moved so that the tip (actual 0, nominal 1) is at a place.
+fn at_place(sample: &Sample, start: &[f64], place: [f64; 3], which: usize) -> Vec<f64> {
+    let tip = |pose: &Vec<f64>| Vector3::from(sample.holds(pose, Travel::Mean)[which].tip);
+    let linear: Vec<usize> = (0..start.len()).filter(|i| !sample.rigid.walk[*i].rotary).collect();
+    let mut pose = start.to_vec();
+    for _ in 0..4 {
+        let here = tip(&pose);
+        let column = |k: usize| {
+            let mut other = pose.clone();
+            other[linear[k]] += 1.0;
+            tip(&other) - here
+        };
+        let columns = Matrix3::from_columns(&[column(0), column(1), column(2)]);
+        let step = columns.try_inverse().unwrap() * (Vector3::from(place) - here);
+        (0..3).for_each(|k| pose[linear[k]] += step[k]);
+    }
+    pose
+}
+
+/// The plan of a touch probe is what `measure` takes, and `identify` after it: positions of the axes with the stylus in
+/// balls whose places nobody knows.
+#[test]
+fn touches_are_in_reach_and_their_foretold_uncertainty_is_met() {
+    let folder = Folder::new("planned-touches");
+    let (plain, real) = machines(&folder);
+    let names: Vec<&str> = OF_TABLES.lines().map(|line| line.trim().split(':').next().unwrap()).collect();
+    let fit = names.join(",");
+    let walk = &real.rigid.walk;
+    let balls = [[62.0, 31.0, 45.0], [-74.0, 22.0, 80.0], [11.0, -85.0, 60.0]];
+    let words = balls.map(|ball| {
+        let start: Vec<f64> = walk.iter().map(|axis| if axis.rotary { 0.0 } else { 100.0 }).collect();
+        let at = at_place(&real, &start, ball, 1);
+        let linear = walk.iter().zip(&at).filter(|(axis, _)| !axis.rotary);
+        linear.map(|(axis, q)| format!("{}={q:.4}", axis.name)).collect::<Vec<_>>().join(",")
+    });
+    let asked: Vec<&str> = ["--plan", "20", "--instrument", "touch", "--ball-radius", "10 mm"]
+        .into_iter()
+        .chain(words.iter().flat_map(|word| ["--ball", word]))
+        .collect();
+    let (report, csv) = plan(&plain, &fit, &asked);
+    let (titles, rows) = table(&csv);
+    assert_eq!((rows.len(), &report["readings"], &report["rank"]), (20, &20.into(), &report["unknowns"]));
+    assert_eq!(report["unknowns"], 17, "eight errors and three balls");
+    assert!((1..rows.len()).all(|i| !rows[..i].contains(&rows[i])), "no set twice: {csv}");
+    let index = |row: usize| rows[row][0].trim_start_matches('b').parse::<usize>().unwrap() - 1;
+    for (row, cells) in rows.iter().enumerate() {
+        let [_, nominal] = tips(&real, &titles, cells);
+        // Places and positions are written to 1e-4.
+        assert!((0..3).all(|k| (nominal[k] - balls[index(row)][k]).abs() < 5e-4), "{cells:?}: {nominal:?}");
+    }
+    let out = folder.file("program");
+    let sets = folder.with("sets.csv", &csv);
+    let _ = abbe(&["measure", text(&plain), text(&sets), "--ball-radius", "10 mm", "--out", text(&out), "--quiet"]);
+    assert!(out.join("abbe_set_20.ngc").exists());
+    let off = [[0.21, -0.1, 0.05], [-0.3, 0.2, 0.1], [0.0, 0.15, -0.2]];
+    let (mut random, mut squares, draws) = (Random::new(5), 0.0, 24);
+    for _ in 0..draws {
+        let mut log = csv.lines().next().unwrap().to_owned() + "\n";
+        for (row, cells) in rows.iter().enumerate() {
+            let at = positions(&titles, cells);
+            let start: Vec<f64> = walk.iter().map(|axis| at[&axis.name]).collect();
+            let (ball, off) = (balls[index(row)], off[index(row)]);
+            let place = [0, 1, 2].map(|k| ball[k] + off[k] + 1e-3 * normal(&mut random));
+            let pose = at_place(&real, &start, place, 0);
+            let is_axis = |title: &String| walk.iter().position(|axis| title.split(' ').next() == Some(&*axis.name));
+            let cell = |(title, cell): (&String, &String)| {
+                is_axis(title).map_or_else(|| cell.clone(), |axis| format!("{:.9}", pose[axis]))
+            };
+            log += &(titles.iter().zip(cells).map(cell).collect::<Vec<_>>().join(",") + "\n");
+        }
+        let found = fitted(&plain, &fit, &folder.with("log.csv", &log));
+        let pairs = found["parameters"].as_array().unwrap().iter().zip(report["parameters"].as_array().unwrap());
+        for (line, (found, foretold)) in OF_TABLES.lines().zip(pairs) {
+            let (name, truth) = line.trim().split_once(": ").unwrap();
+            let truth: f64 = truth.split(' ').next().unwrap().parse().unwrap();
+            assert!(found["name"] == name && foretold["name"] == name && found["unit"] == foretold["unit"]);
+            squares += ((found["value"].as_f64().unwrap() - truth) / foretold["sigma"].as_f64().unwrap()).powi(2);
+        }
+    }
+    let mean = squares / f64::from(draws * 8);
+    assert!((0.7..1.4).contains(&mean), "{mean}");
+    let (code, said) = refused(&["identify", text(&plain), "--plan", "4", "--ball-radius", "10 mm"]);
+    assert!(code == 2 && said.contains("of the instrument `touch`"), "{said}");
 }
 
 #[test]

@@ -90,7 +90,10 @@ fn solve_over_volume(
     );
     fitted.suspicion = suspect(&model, data, &circumstances);
     let sources = &call.diagnostics.sources;
-    let remarks = remarks::all(&fitted, sources);
+    let mut remarks = remarks::all(&fitted, sources);
+    if !inputs.robust {
+        remarks.extend(remarks::outlying(&fitted, sources));
+    }
     let mut result = IdentifyResult::of(&fitted, sources);
     result.residuals = accused::residual_groups(&fitted, &in_data.residuals(&model, data));
     result.suspect = accused::suspect(&fitted, sources, &inputs.accept);

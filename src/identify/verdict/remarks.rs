@@ -3,6 +3,7 @@
 use super::accused;
 use super::fitted::FitDiagnosis;
 use super::limits;
+use super::resting;
 use super::result::{KnownValue, place};
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::data::LEVER_MM;
@@ -27,6 +28,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         lack_of_fit(fitted),
         refuted(fitted),
         idle_type_b(fitted),
+        resting::wandering(fitted),
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),
@@ -133,6 +135,16 @@ pub(crate) fn unlikely_sizes(typical: f64, typical_turn: f64) -> Option<Diagnost
     let message = format!("{off} or more off the machine as the file says it");
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
     Some(warning(codes::W0505, message, help))
+}
+
+/// Warns of a reading that stands far out.
+pub(crate) fn outlying(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Option<Diagnostic> {
+    let worst = fitted.residuals.outliers.first().filter(|worst| worst.deviations > MAX_OUTLYING_DEVIATIONS)?;
+    let far = fitted.residuals.outliers.iter().filter(|of| of.deviations > MAX_OUTLYING_DEVIATIONS).count();
+    let (place, size) = (place(fitted, sources, worst.row), significant(worst.deviations, 2));
+    let others = if far > 1 { format!(", and {} more", far - 1) } else { String::new() };
+    let message = format!("{place} is {size} standard deviations off what all readings say{others}");
+    Some(warning(codes::W0507, message, "measure it again, leave the row out, or take `--robust`"))
 }
 
 /// Warns of curves for a direction of approach in which no reading was taken that they move.
