@@ -1,7 +1,7 @@
 //! The long text of a diagnostic's code, of an error's name, of a class of machines, of a controller, of a word.
 
 use super::targets::{TargetSummary, target};
-use crate::diagnostic::{CODES, Code, Diagnostic, codes, info};
+use crate::diagnostic::{CODES, Code, Diagnostic, codes, info, nearest};
 use crate::machine::{CLASS_NAMES, Direction, ErrorId, classes, parse_error_name};
 use serde::Serialize;
 
@@ -38,6 +38,13 @@ pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
         .ok_or_else(|| {
             let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
             let headings: Vec<String> = entries().map(|(heading, _)| heading.to_lowercase()).collect();
+            let known = codes.iter().copied().chain(headings.iter().map(String::as_str)).chain(CLASS_NAMES);
+            let upper = topic.to_uppercase();
+            let near = parse_error_name(&upper).map(|_| upper.as_str()).or_else(|| nearest(topic, known));
+            if let Some(near) = near {
+                let message = format!("`{}` is no code, error name, class, target or word", topic.escape_debug());
+                return Diagnostic::new(codes::E0818, message).help(format!("did you mean `{near}`?"));
+            }
             let message = format!(
                 "`{}` is no code, error name, class, target or word.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the \
                  like. Classes: {}. Targets: `abbe targets`.\nWords: {}.",

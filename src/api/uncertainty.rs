@@ -9,12 +9,15 @@ use crate::machine::Machine;
 use serde::Serialize;
 
 /// Intervals of the figures of a certificate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CertificateBands {
     /// Without the files.
     pub uncompensated: Bands,
     /// With them: what the uncertainty of the errors leaves, whatever the files correct.
     pub compensated: Bands,
+    /// Errors with a value of which the machine file states no uncertainty: they count as exact.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_stated: Vec<String>,
 }
 
 impl CertificateBands {
@@ -42,6 +45,7 @@ impl CertificateBands {
         Some(Self {
             uncompensated: of(&bare, certificate.uncompensated.statistics(certificate.poses))?,
             compensated: of(field, certificate.compensated.statistics(certificate.poses))?,
+            not_stated: machine.errors_taken_as_exact().iter().map(ToString::to_string).collect(),
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::run::{Call, Refused};
 use crate::syntax::read_table_text;
 use crate::syntax::sheet::{self, separator};
 use crate::units::{self, significant};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 pub use crate::machine::{AxisPositions, axis_positions};
@@ -258,19 +258,39 @@ fn row(machine: &Machine, columns: &[Column], line: &str, separator: char) -> Re
     Ok(pose)
 }
 
+/// Poses beyond the travel of an axis: their number, and of the farthest one how far it is, its position and number.
+#[derive(Default)]
+struct BeyondTravel {
+    count: usize,
+    far: f64,
+    position: f64,
+    pose: usize,
+}
+
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
 pub(crate) fn check<'p>(
     call: &mut Call<'_>,
     machine: &Machine,
     poses: impl IntoIterator<Item = &'p Pose>,
 ) -> Result<(), Refused> {
-    let mut beyond: BTreeSet<&str> = BTreeSet::new();
-    for pose in poses {
+    let mut beyond: BTreeMap<&str, BeyondTravel> = BTreeMap::new();
+    for (number, pose) in (1..).zip(poses) {
         known(machine, pose).or_else(|refusal| call.refuse(refusal))?;
-        beyond.extend(machine.beyond_travel(pose).map(|axis| axis.name.as_str()));
+        for (axis, q) in machine.axes().iter().zip(pose).filter(|(axis, q)| !axis.travel.contains(**q)) {
+            let (low, high) = axis.travel.interval();
+            let far = (low - q).max(q - high);
+            let of = beyond.entry(axis.name.as_str()).or_default();
+            of.count += 1;
+            if far > of.far {
+                (of.far, of.position, of.pose) = (far, *q, number);
+            }
+        }
     }
-    for name in beyond {
-        call.warn(Diagnostic::new(codes::W0801, format!("poses beyond the travel of `{name}` were evaluated")));
+    for (name, of) in beyond {
+        let (count, pose, at) = (of.count, of.pose, significant(of.position, 6));
+        let message =
+            format!("poses beyond the travel of `{name}` were evaluated: {count}, the farthest pose {pose} at {at}");
+        call.warn(Diagnostic::new(codes::W0801, message));
     }
     call.check()
 }

@@ -38,6 +38,21 @@ impl Machine {
         all
     }
 
+    /// Returns the errors with a value of which the file states no uncertainty.
+    pub fn errors_taken_as_exact(&self) -> Vec<ErrorId> {
+        let has_value = |term: &ErrorTerm| match term {
+            ErrorTerm::Constant(value) => *value != 0.0,
+            ErrorTerm::Component(_) => true,
+            ErrorTerm::Tolerance(_) => false,
+        };
+        let is_stated = |error: &ErrorId| {
+            self.uncertainty(error).is_some_and(|half| half > 0.0)
+                || self.parts().covariance.iter().any(|part| part.moves(error))
+        };
+        let all = self.errors().filter(|(error, term)| has_value(term) && !is_stated(error));
+        all.map(|(error, _)| error).collect()
+    }
+
     /// Returns the uncertainty of the curves of an axis beyond their points, one part for each end of an error: the
     /// curve may rise or fall as steeply as it does anywhere between them, any slope up to there being as likely.
     fn parts_beyond(&self, i: usize) -> Vec<UncertainPart> {

@@ -32,6 +32,9 @@ pub(super) fn refuse_unknown(
         let name = keys.last().map_or("", String::as_str);
         let refusal = Diagnostic::new(codes::E0202, format!("`{}` stands here without a value", shown(name)));
         let help = match name.split_once(' ') {
+            Some((digits, _)) if digits.bytes().all(|c| c.is_ascii_digit()) => {
+                "write decimals with a point, 120.5 mm: a comma ends the value".to_owned()
+            }
             Some((key, value)) => format!("write `{}: {}`, with a colon and a blank", shown(key), shown(value)),
             None => "write decimals with a point, 100.5; `key: ~` removes what a file extends".to_owned(),
         };

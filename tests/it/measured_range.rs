@@ -36,7 +36,7 @@ fn a_curve_is_judged_where_it_was_measured() {
     let at = |x: &str| answer(&["eval", text(&out), "--at", x])["poses"][0]["beyond_measured"].clone();
     assert_eq!((at("X=300"), at("X=450.1"), at("X=299,Y=5")), (json!(null), json!(["X"]), json!(["X"])));
     let words = String::from_utf8(abbe_on(2, &["eval", text(&out), "--at", "X=310", "--at", "X=0"]).stdout).unwrap();
-    assert!(words.contains("Poses beyond what was measured: 2 (X)"), "{words}");
+    assert!(words.contains("Beyond what was measured: pose 2 (X)"), "{words}");
     let whole = answer(&["map", text(&out)]);
     assert!(whole["beyond_measured"].is_null() && whole["poses"] == 7 * 5, "{whole}");
 }

@@ -6,11 +6,14 @@ use super::{answer, bands};
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
-    ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
+    Axis, CertificateBands, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures,
+    JobCertificate, Machine, ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
 };
 use abbe::text::{counted, ends, micro, significant};
 use std::path::Path;
+
+/// Errors without an uncertainty that are named.
+const NAMED: usize = 4;
 
 /// A certificate with the folder of its files.
 pub(crate) struct CertificateView<'a> {
@@ -78,7 +81,7 @@ impl CertificateView<'_> {
         });
         let part = if report.beyond_measured.is_some() { "measured part of the " } else { "" };
         let over = format!("over {} poses of the {part}volume", report.poses);
-        let left = report.uncertainty.as_ref().map(|of| of.compensated.position_um.p95);
+        let left = report.uncertainty.as_ref();
         let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
         measured + &job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
     }
@@ -350,14 +353,20 @@ const NO_EFFECT: f64 = 0.05;
 const MAX_FACTOR: f64 = 1000.0;
 
 /// Returns by what factor the deviation falls, and what is left within the uncertainty of the errors.
-fn ratio(before: &Summary, after: &Summary, left: Option<[f64; 2]>, over: &str) -> String {
+fn ratio(before: &Summary, after: &Summary, left: Option<&CertificateBands>, over: &str) -> String {
     let (before, after) = (before.p95, after.p95);
     let [from, to] = [before, after].map(|um| significant(um, 4));
     let deviation = "For the errors in the file the 95 % position deviation";
     let falls = format!("{deviation} falls from {from} um");
-    let left = left.map_or_else(String::new, |[low, high]| {
+    let left = left.map_or_else(String::new, |of| {
+        let [low, high] = of.compensated.position_um.p95;
         let [low, high] = ends(low, high);
-        format!("; within their uncertainty {low} to {high} um are left")
+        let without = match &of.not_stated[..] {
+            [] => String::new(),
+            [few @ ..] if few.len() <= NAMED => format!(" (none is stated of {})", few.join(", ")),
+            many => format!(" (none is stated of {} and {} more)", many[..NAMED].join(", "), many.len() - NAMED),
+        };
+        format!("; within their uncertainty{without} {low} to {high} um are left")
     });
     if before < ROUNDING_UM {
         format!("There is nothing to compensate, {over}.\n")

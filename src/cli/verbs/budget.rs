@@ -91,7 +91,11 @@ impl Args {
 }
 
 fn goal(text: &str) -> Result<f64, Reason> {
-    arguments::length(text, |mm| mm > 0.0, "the goal is a length above 0, such as `30 um`")
+    arguments::length(
+        text,
+        |mm| mm > 0.0 && mm <= 10.0,
+        "the goal is a length above 0 and up to 10 mm, such as `30 um`",
+    )
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {

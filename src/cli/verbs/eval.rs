@@ -3,7 +3,7 @@
 use crate::cli::Outcome;
 use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{frame_text, length, numbers, path_text, table};
+use crate::cli::output::view::{frame_text, keep_words, length, numbers, path_text, table};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, MonomialPart, Neglected, Over, PoseResult};
 use abbe::text::significant;
@@ -140,6 +140,7 @@ fn text(result: &EvalResult) -> String {
         let cells = cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).chain(along);
         let _ = table.add_row(cells.collect::<Vec<_>>());
     }
+    keep_words(&mut table);
     format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{table}\n{}{}",
         result.machine,
@@ -167,10 +168,10 @@ fn text(result: &EvalResult) -> String {
 /// The poses beyond what was measured, in words; empty without.
 fn beyond_measured(result: &EvalResult) -> String {
     let one = |(i, pose): (usize, &PoseResult)| {
-        (!pose.beyond_measured.is_empty()).then(|| format!("{} ({})", i + 1, pose.beyond_measured.join(", ")))
+        (!pose.beyond_measured.is_empty()).then(|| format!("pose {} ({})", i + 1, pose.beyond_measured.join(", ")))
     };
     let all: Vec<String> = result.poses.iter().enumerate().filter_map(one).collect();
-    if all.is_empty() { String::new() } else { format!("Poses beyond what was measured: {}\n", all.join(", ")) }
+    if all.is_empty() { String::new() } else { format!("Beyond what was measured: {}\n", all.join(", ")) }
 }
 
 /// Components times a factor, with their expanded uncertainty where it is stated: `12.3 +- 0.8`.

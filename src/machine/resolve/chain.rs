@@ -207,7 +207,9 @@ fn link(context: &mut Context, token: &ChainWord, side: Option<Branch>, may_be_s
 
 fn refuse_name(context: &mut Context, token: &ChainWord) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
+    let in_front = token.text.strip_prefix(['\'', '’', '′']).filter(|name| AxisName::new(name).is_some());
     let help = match apart(&token.text) {
+        _ if in_front.is_some() => format!("the prime stands behind the name: `{}'`", in_front.unwrap_or_default()),
         Some(names) => format!("write blanks between the names: `{names}`"),
         None => "a name is a capital letter, then up to seven capitals or digits: X, C1, J6".to_owned(),
     };

@@ -7,7 +7,7 @@ use crate::machine::{AxisKind, Direction};
 use crate::syntax::{Keys, Scalar, below};
 use crate::units::{self, Dimension, FARTHEST, Failure, Quantity};
 
-const LENGTHS: &str = "lengths: nm, um, mm, m, in";
+const LENGTHS: &str = "lengths: nm, um, mm, cm, m, in";
 const ANGLES: &str = "angles: urad, mrad, rad, arcsec, arcmin, deg, or a ratio such as um/m or 0.02/500";
 
 impl Context<'_> {

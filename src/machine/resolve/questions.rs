@@ -3,7 +3,7 @@
 use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::machine::{Axis, AxisKind, Branch, ErrorTerm, Machine, Sense, Travel};
+use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 use crate::syntax::{Document, Keys, Scalar, keys};
 use crate::units::{self, Dimension, significant};
 
@@ -11,6 +11,8 @@ use crate::units::{self, Dimension, significant};
 const POSITION: f64 = 1.0;
 /// A bound of an angle from which on it is as a rule in another unit, rad: 400 arcsec.
 const WIDE_ANGLE: f64 = 2e-3;
+/// A rotation of a location error from which on it is as a rule in another unit, rad: 1000 arcsec.
+const WIDE_LOCATION: f64 = 5e-3;
 /// A displacement of the gauge point by a variant from which on it is another spindle, mm.
 const OTHER_SPINDLE: f64 = 50.0;
 /// A travel is in radians if its ends are so near (deg) to multiples of five degrees: two decimals of a radian.
@@ -19,6 +21,9 @@ const NEAR: f64 = 0.3;
 const METRES: f64 = 3.0;
 /// A coordinate from which on it is no offset that was measured, mm.
 const OFFSET: f64 = 0.05;
+/// A distance that a tip may miss the workpiece by across both tool and part, mm: parts stand on a pallet to whose face
+/// the spindle need not come down.
+const BESIDE: f64 = 100.0;
 /// A distance that a tip may miss the workpiece by, mm: rounding of drawings.
 const MISSED: f64 = 1.0;
 
@@ -156,7 +161,8 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     };
     let point = |p: [f64; 3]| p.map(|x| significant(x, 6)).join(", ");
     let places = format!("tip [{}], workpiece origin [{}] at the zero pose", point(tip), point(origin));
-    let help = "both are in machine coordinates at the zero pose: check `gauge`, `length`, `workpiece` and travels";
+    let help = "both are in machine coordinates at the zero pose: check `gauge`, `length`, `workpiece` and travels; a \
+                part whose Z is not that of the machine has a `rotation`";
     let (low, high) = reach(tool);
     if high < low + MISSED {
         return None;
@@ -177,7 +183,7 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     let is_across = |along: [f64; 3]| dot(along, tool).abs() < 1e-6 && dot(along, up).abs() < 1e-6;
     let across = across.zip(["X", "Y", "Z"]).filter(|(along, _)| is_across(*along));
     let missed = across.map(|(along, letter)| (reach(along), letter));
-    let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > MISSED);
+    let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > BESIDE);
     let (by, letter) = missed?;
     let by = significant(by, 4);
     Some((format!("the tip stays {by} mm beside the workpiece origin along {letter}: {places}"), help))
@@ -185,7 +191,10 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
 
 /// Asks about errors of the size of positions: locations, and measured curves.
 fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<Item = Diagnostic> + 'a {
-    machine.errors().filter(|(error, _)| !error.direction.is_rotation()).filter_map(move |(error, term)| {
+    machine.errors().filter_map(move |(error, term)| {
+        if error.direction.is_rotation() {
+            return wide_location(document, &error, term);
+        }
         let (value, is_location) = match term {
             ErrorTerm::Constant(value) => (*value, true),
             ErrorTerm::Component(component) => {
@@ -212,6 +221,20 @@ fn positions<'a>(document: &'a Document, machine: &'a Machine) -> impl Iterator<
         };
         Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
     })
+}
+
+/// Asks about a location error that one sees by eye.
+fn wide_location(document: &Document, error: &ErrorId, term: &ErrorTerm) -> Option<Diagnostic> {
+    let ErrorTerm::Constant(value) = term else { return None };
+    if value.abs() < WIDE_LOCATION || is_fitted_location(document, error) {
+        return None;
+    }
+    let arcsec = value.to_degrees() * 3600.0;
+    let (mrad, arcsec) = (significant(value * 1e3, 3), significant(arcsec, 3));
+    let help = "microradians and arcseconds are usual: compare the unit; an axis that is oblique by design has a \
+                `direction`";
+    let message = format!("`{error}` is {mrad} mrad, {arcsec} arcsec: is that meant?");
+    Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
 }
 
 /// Asks about bounds of the size of positions, and of angles that one sees by eye.
