@@ -1,5 +1,5 @@
-//! The first line of a result's text: the figure that a verb is asked for, with its interval, and how much of the work it
-//! is over. The program begins with it, and Python shows it.
+//! The first line of a result's text: the figure that a verb is asked for, with its interval, and how much of the work
+//! it is over. The program begins with it, and Python shows it.
 
 use crate::analysis::budget::Statistic;
 use crate::api::results::{
