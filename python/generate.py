@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import keyword
+import re
 import sys
 import textwrap
 from pathlib import Path
@@ -94,10 +95,19 @@ FREE = ("import_readings", "figures", "testpiece", "record", "record_trend")
 OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "other: Verbs"}
 
 #: Options that take files: columns in memory do as well.
-DATA = "Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any]"
+DATA = "Iterable[Table] | Table"
+
+#: Options that take a table: a file, or columns in memory.
+TABLES = {"tool_poses", "pose_file"}
+
+#: Words that name a folder with a set of files: one in memory does as well.
+FOLDERS = {"verify": ("folder",), "diff_sets": ("old", "new"), "locate": ("path",)}
+
+#: Verbs whose options have a type of their own, for what hands them on.
+HANDED_ON = ("budget", "enumerate", "identify", "reach")
 
 #: Types that the façade writes as text although most of their values are numbers.
-NUMBERS_AS_TEXT = {"Order": "Union[int, str]"}
+NUMBERS_AS_TEXT = {"Order": "Union[int, Literal['exact', '1', '2', '3', '4', '5', '6']]"}
 
 #: Options that the package sets itself.
 OWN = {"identify": {"texts"}, "fit_monomials": {"texts"}}
@@ -111,11 +121,13 @@ from os import PathLike
 from typing import Any, Literal, TypedDict, Union
 
 from . import _abbe
-from ._calls import Text, call, order_of
-from ._readings import files_and_texts
+from ._calls import call, order_of
+from ._readings import files_and_texts, folders_and_texts
 from ._results import (
     %s,
 )
+from ._types import At, Poses, Progress, Table, Text
+from ._types import Plane as PlaneOfAxes
 
 '''
 
@@ -152,11 +164,22 @@ class Types:
         if kind == "object" and "properties" not in schema:
             return f"Mapping[str, {self.of(schema['additionalProperties'], definitions)}]"
         if kind == "object":
-            return self.union([f"Mapping[str, {self.of(one, definitions)}]" for one in schema["properties"].values()])
+            name = "".join(word.capitalize() for key in schema["properties"] for word in key.split("_")) + "Choice"
+            fields = {key: self.option(key, one, definitions) for key, one in schema["properties"].items()}
+            body = ", ".join(f'"{key}": {annotation(of)}' for key, of in fields.items())
+            self.named[name] = f'{name} = TypedDict("{name}", {{{body}}})'
+            return name
         plain = {"string": "Text", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}
         if kind in plain:
             return plain[kind]
         raise SystemExit(f"no type for {schema}")
+
+    def option(self, name: str, schema: dict[str, Any], definitions: dict[str, Any]) -> str:
+        """Returns the type of a field by its name: what Python takes besides the words of the façade."""
+        kind = self.of(schema, definitions)
+        instead = {"class": "ClassName", "target": "TargetName", "targets": "TargetName", "at": "At"}
+        instead |= {"plane": "PlaneOfAxes"} | dict.fromkeys(TABLES, "Table")
+        return re.sub(r"\bText\b", instead[name], kind) if name in instead else kind
 
     def union(self, kinds: list[str]) -> str:
         words = [kind[len("Literal[") : -1] for kind in kinds if kind.startswith("Literal[")]
@@ -168,7 +191,8 @@ class Types:
         about = wrap("#: ", prose(schema.get("description", "")))
         if "properties" in schema:
             fields = [
-                f'        "{key}": {quoted(self.of(one, definitions))},' for key, one in schema["properties"].items()
+                f'        "{key}": {annotation(self.option(key, one, definitions))},'
+                for key, one in schema["properties"].items()
             ]
             docs = [wrap("#: ", f"``{key}``: {prose(described(one))}") for key, one in schema["properties"].items()]
             return "\n".join(
@@ -176,11 +200,6 @@ class Types:
             )
         kind = NUMBERS_AS_TEXT.get(name) or annotation(self.of(schema, definitions))
         return f"{about}\n{name} = {kind}"
-
-
-def quoted(kind: str) -> str:
-    """Returns a type for a place where it is evaluated."""
-    return annotation(kind)
 
 
 def annotation(kind: str) -> str:
@@ -206,7 +225,9 @@ def described(schema: dict[str, Any]) -> str:
 
 def prose(text: str) -> str:
     """Returns a sentence of rustdoc for Python."""
-    return " ".join(text.replace("`", "``").replace("[``", "``").replace("``]", "``").split())
+    # A link of rustdoc is the name that it links.
+    plain = re.sub(r"\[`(?:\w+::)*(\w+)(?:\(\))?`\](?:\([\w:]*(?:\(\))?\))?", r"`\1`", text)
+    return " ".join(plain.replace("`", "``").split())
 
 
 def wrap(lead: str, text: str) -> str:
@@ -220,7 +241,7 @@ def python_name(name: str) -> str:
 
 def option(name: str, schema: dict[str, Any], default: Any, types: Types, definitions: Any) -> tuple[str, str]:
     """Returns the parameter of an option, and its value in the JSON."""
-    kind = types.of(schema, definitions)
+    kind = types.option(name, schema, definitions)
     value = python_name(name)
     if split(kind)[0] in NUMBERS_AS_TEXT:
         value = f"order_of({name})"
@@ -245,22 +266,35 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
         parameters[key], values[key] = option(key, one, defaults.get(key), types, definitions)
     # Readings may be tables in memory where the façade takes texts.
     takes_texts = "data" in options and "texts" in schema["properties"]
+    if name == "eval":
+        parameters["poses"], values["poses"] = "poses: Poses | None = None", "self._listed(poses)"
     if takes_texts:
         parameters["data"], values["data"] = f"data: {DATA} | None = None", "paths"
     for key, one in options.items():
         docs.append(f"{python_name(key)}: {prose(described(one))}")
     takes = [] if free else ["self"]
-    takes += [f"{word}: Text" for word in verb.words]
+    in_memory = FOLDERS.get(name, ())
+    takes += [f"{word}: Text | Mapping[str, bytes]" if word in in_memory else f"{word}: Text" for word in verb.words]
     if takes_texts:
         takes.append(parameters.pop("data"))
     takes += [parameters.pop(key) for key in verb.first]
     takes += [OTHERS[name]] if name in OTHERS else []
     takes += [] if any(taken.startswith("*") for taken in takes) else ["*"]
     takes += ["rows: bool = False"] if name == "map" else []
-    takes += [*parameters.values(), "threads: int | None = None"]
+    takes += [*parameters.values(), "threads: int | None = None", "progress: Progress | None = None"]
+    if name in HANDED_ON:
+        own = ("data", "rows", "threads", "progress")
+        keys = [one.split(" = ")[0].split(": ", 1) for one in takes if " = " in one and not one.startswith(own)]
+        fields = "".join(f'    "{key}": {annotation(of)},\n' for key, of in keys)
+        types.named[f"{name}_options"] = (
+            f"#: Options of :meth:`abbe.Machine.{name}`.\n{name.capitalize()}Options = "
+            f'TypedDict(\n    "{name.capitalize()}Options",\n    {{\n{fields}    }},\n    total=False,\n)'
+        )
     indent = "" if free else "    "
     if name == "compile":
-        takes = [one.replace("target: Text", "target: Text | Sequence[Text]", 1) for one in takes]
+        takes = [
+            one.replace('target: TargetName = ""', "target: TargetName | Sequence[TargetName]", 1) for one in takes
+        ]
         values["target"] = "targets[0]"
     lines = [f"def {name}(", *(f"    {one}," for one in takes), f") -> {verb.result}:"]
     text = [verb.about, ""]
@@ -301,8 +335,11 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
         words = ", words=targets"
     if takes_texts:
         words = ", texts=texts"
+    if in_memory:
+        body.append(f"{inner}words, texts = folders_and_texts({', '.join(verb.words)})")
+        words = ", words=words, texts=texts"
     rows = ", rows=rows" if name == "map" else ""
-    run = f'call("{name}", {machines}, options{words}{rows}, threads=threads)'
+    run = f'call("{name}", {machines}, options{words}{rows}, threads=threads, progress=progress)'
     again = {
         "map": ", self._picture_again(options, threads)",
         "identify": ", self._fit_picture_again(options, texts, threads)",
@@ -538,11 +575,17 @@ def native() -> Any:
     raise SystemExit("the native module is not built: maturin develop")
 
 
-def verbs_source(verbs: dict[str, Any]) -> str:
+def verbs_source(verbs: dict[str, Any], names: tuple[list[str], list[str]]) -> str:
     """Returns the text of the module of verbs."""
     if set(verbs) != set(VERBS):
         raise SystemExit(f"verbs without an entry here, or the other way round: {set(verbs) ^ set(VERBS)}")
     types = Types()
+    classes, targets = names
+    types.named["ClassName"] = f"#: Classes of machines.\nClassName = Literal{json.dumps(classes)}"
+    types.named["TargetName"] = (
+        "#: Controllers; a path names one of templates of your own.\n"
+        f"TargetName = Union[Literal{json.dumps(targets)}, PathLike[str]]"
+    )
     methods = {name: method(name, verbs[name], types) for name in VERBS}
     functions = "\n\n\n".join(methods.pop(name) for name in FREE)
     head = HEAD % ",\n    ".join(sorted({verb.result for verb in VERBS.values()}))
@@ -560,6 +603,9 @@ def verbs_source(verbs: dict[str, Any]) -> str:
         "    ) -> Callable[[], Any]:",
         "        raise NotImplementedError",
         "",
+        "    def _listed(self, poses: Poses | None) -> list[list[float]] | None:",
+        "        raise NotImplementedError",
+        "",
     ]
     named = "\n\n".join(types.named.values())
     return (
@@ -570,7 +616,12 @@ def verbs_source(verbs: dict[str, Any]) -> str:
 def main() -> None:
     """Writes the modules, or compares them."""
     module = native()
-    texts = {"_verbs.py": verbs_source(json.loads(module.verbs())), **fields_sources(json.loads(module.results()))}
+    found = json.loads(module.run("targets", [], [], "{}", [], False, 1).json())["targets"]
+    names = (list(module.CLASS_NAMES), [target["target"] for target in found])
+    texts = {
+        "_verbs.py": verbs_source(json.loads(module.verbs()), names),
+        **fields_sources(json.loads(module.results())),
+    }
     outputs = {PACKAGE / name: text for name, text in texts.items()}
     outputs[INTERFACES] = Interfaces(json.loads(module.answers())).text()
     for out, text in outputs.items():

@@ -109,6 +109,11 @@ pub mod results {
     pub use crate::wire::report::Report;
 }
 
+/// The first lines of results as text: the figure that a verb is asked for.
+pub mod headlines {
+    pub use crate::wire::headline::*;
+}
+
 /// The verbs as data, for whoever speaks JSON; the page's requests in parts.
 pub mod verbs {
     pub use crate::wire::verbs::{

@@ -10,7 +10,7 @@ in another unit; positions of rotary axes are in deg as programmed.
 
 from ._abbe import __version__
 from ._calls import set_threads
-from ._diagnostics import Diagnostic, DiagnosticError, DiagnosticWarning, Place
+from ._diagnostics import Diagnostic, DiagnosticError, DiagnosticWarning, MissingFileError, Place
 from ._functions import (
     check,
     check_record,
@@ -25,7 +25,7 @@ from ._functions import (
     targets,
     testpiece,
 )
-from ._machine import Deviations, ErrorTerm, Machine, load, loads
+from ._machine import Deviations, ErrorTerm, Machine, Nominal, load, loads
 from ._record import Named, Record
 from ._results import (
     BudgetResult,
@@ -84,8 +84,10 @@ __all__ = [
     "Machine",
     "MapResult",
     "MeasureResult",
+    "MissingFileError",
     "MonomialResult",
     "Named",
+    "Nominal",
     "Place",
     "PlacementResult",
     "PlanResult",

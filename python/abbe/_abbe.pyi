@@ -1,23 +1,31 @@
 """The native module: the façade of abbe. Results are JSON texts; the package around it makes objects of them."""
 
+from collections.abc import Callable
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "CLASS_NAMES",
     "NativeMachine",
     "NativeOutcome",
     "__version__",
     "answers",
     "csv",
+    "curve",
+    "drawn",
+    "jacobian",
     "length_mm",
     "load",
+    "nominal",
     "results",
     "run",
+    "uncertainty",
     "verbs",
 ]
 __version__: str
+CLASS_NAMES: list[str]
 
 @final
 class NativeMachine:
@@ -46,11 +54,29 @@ class NativeMachine:
 @final
 class NativeOutcome:
     def json(self) -> str: ...
+    def headline(self) -> str: ...
     def warnings(self) -> str: ...
     def texts(self) -> list[tuple[str, str]]: ...
     def files(self) -> list[tuple[str, bytes]]: ...
     def rows(self) -> NDArray[np.uint8] | None: ...
 
+def nominal(machine: NativeMachine, poses: NDArray[np.float64], threads: int) -> NDArray[np.float64]: ...
+def jacobian(
+    machine: NativeMachine, poses: NDArray[np.float64], errors: list[str], frame: str, threads: int
+) -> NDArray[np.float64]: ...
+def uncertainty(
+    machine: NativeMachine, poses: NDArray[np.float64], approach: str, frame: str, threads: int
+) -> NDArray[np.float64] | None: ...
+def drawn(
+    machine: NativeMachine,
+    poses: NDArray[np.float64],
+    errors: list[str],
+    values: NDArray[np.float64],
+    order: str | None,
+    approach: str,
+    threads: int,
+) -> NDArray[np.float64]: ...
+def curve(machine: NativeMachine, error: str, positions: NDArray[np.float64], approach: str) -> NDArray[np.float64]: ...
 def load(path: str, texts: list[tuple[str, str]], tool: str | None) -> NativeMachine: ...
 def run(
     verb: str,
@@ -60,6 +86,7 @@ def run(
     texts: list[tuple[str, str]],
     rows: bool,
     threads: int,
+    progress: Callable[[str, int, int], object] | None = None,
 ) -> NativeOutcome: ...
 def verbs() -> str: ...
 def results() -> str: ...

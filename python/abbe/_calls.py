@@ -7,13 +7,12 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextvars import ContextVar
-from typing import Any, Union
+from typing import Any
 
 from . import _abbe
 from ._diagnostics import warn
-
-#: A text or a path.
-Text = Union[str, "os.PathLike[str]"]
+from ._readings import csv_of
+from ._types import Progress, Text
 
 _threads: int | None = None
 
@@ -76,6 +75,24 @@ def json_of(options: Mapping[str, Any]) -> str:
     return json.dumps({name: value for name, value in options.items() if value is not None}, default=plain)
 
 
+def spelt(options: Mapping[str, Any], texts: list[tuple[str, str]]) -> dict[str, Any]:
+    """Returns options in the words of the façade; tables in memory go among the texts."""
+
+    def one(name: str, value: Any) -> Any:
+        if name in ("tool_poses", "pose_file") and not isinstance(value, (str, os.PathLike, type(None))):
+            texts.append((f"{name}-{len(texts) + 1}.csv", csv_of(value)))
+            return texts[-1][0]
+        if name == "at" and isinstance(value, Mapping):
+            return ",".join(f"{axis}={float(position)!r}" for axis, position in value.items())
+        if name == "at" and isinstance(value, (list, tuple)):
+            return [one(name, each) for each in value]
+        if name == "plane" and isinstance(value, tuple):
+            return ",".join(value)
+        return {key: one(key, inner) for key, inner in value.items()} if isinstance(value, dict) else value
+
+    return {name: one(name, value) for name, value in options.items()}
+
+
 def call(
     verb: str,
     machines: Sequence[_abbe.NativeMachine],
@@ -85,10 +102,13 @@ def call(
     texts: Iterable[tuple[str, str]] = (),
     rows: bool = False,
     threads: int | None = None,
+    progress: Progress | None = None,
     stacklevel: int = 2,
 ) -> _abbe.NativeOutcome:
     """Runs a verb and warns of what it warns of; ``stacklevel`` 1 is the function that calls."""
-    found = _abbe.run(verb, list(machines), words_of(words), json_of(options), list(texts), rows, threads_of(threads))
+    named = list(texts)
+    asked = json_of(spelt(options, named))
+    found = _abbe.run(verb, list(machines), words_of(words), asked, named, rows, threads_of(threads), progress)
     warn(found.warnings(), stacklevel + 1)
     return found
 

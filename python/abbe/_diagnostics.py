@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import warnings
 from dataclasses import dataclass
@@ -79,6 +80,20 @@ class DiagnosticError(ValueError):
         """The remedy of the first refusal."""
         return self.reason.help if self.reason else None
 
+    def _render_traceback_(self) -> list[str]:
+        # Notebooks show what is wrong with the input, and not the calls that found it.
+        return [f"{type(self).__name__}: {self}"]
+
+
+class MissingFileError(FileNotFoundError, DiagnosticError):
+    """An input is refused because a file is not there."""
+
+    def __init__(self, text: str, diagnostics: tuple[Diagnostic, ...] = ()) -> None:
+        DiagnosticError.__init__(self, text, diagnostics)
+        self.errno = errno.ENOENT
+
+    __str__ = DiagnosticError.__str__
+
 
 class DiagnosticWarning(UserWarning):
     """An input is accepted with a reservation, ``diagnostic``."""
@@ -103,7 +118,9 @@ def parsed(text: str) -> tuple[Diagnostic, ...]:
 
 def refusal(text: str, diagnostics: str) -> DiagnosticError:
     """Returns the exception for a text and a JSON list; the native module calls this."""
-    return DiagnosticError(text, parsed(diagnostics))
+    found = parsed(diagnostics)
+    missing = any(one.code == "E0101" and one.message.startswith("there is no file") for one in found)
+    return (MissingFileError if missing else DiagnosticError)(text, found)
 
 
 def warn(text: str, stacklevel: int, *, known: str = "[]") -> None:

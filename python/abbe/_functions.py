@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from typing import Any, Literal
 
-from ._calls import Text, call
+from ._calls import call
 from ._fields import TargetSummary
 from ._results import CheckRecordResult, ClassifyResult
+from ._types import Text
 from ._verbs import figures, import_readings, record, record_trend, testpiece
 
 __all__ = [

@@ -5,29 +5,30 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _abbe
-from ._calls import Text, json_of, order_of, threads_of
+from ._calls import json_of, order_of, spelt, threads_of
 from ._diagnostics import DiagnosticError, warn
 from ._fields import ChainAxis, ChainResult, ChainTool, Conventions, MachineSummary
+from ._readings import real
 from ._record import Record
 from ._results import BudgetResult, html_table, inline
-from ._verbs import Verbs
+from ._types import Poses, Progress, Text
+from ._verbs import BudgetOptions, Verbs
 
 if TYPE_CHECKING:
     import pandas
+    from typing_extensions import Unpack
 
 Approach = Literal["mean", "forward", "reverse"]
 Frame = Literal["workpiece", "machine", "tool"]
-
-#: Poses: an array of shape (N, axes), or columns of positions by the names of axes (a mapping, a DataFrame).
-Poses = Union[ArrayLike, Mapping[str, ArrayLike], "pandas.DataFrame"]
 
 
 class Deviations(NamedTuple):
@@ -47,14 +48,33 @@ class Deviations(NamedTuple):
         return pandas.DataFrame(columns)
 
 
+class Nominal(NamedTuple):
+    """The tool of the machine without errors at N poses, in the coordinates of the part."""
+
+    #: The functional point from the workpiece origin, shape (N, 3), mm.
+    tip: NDArray[np.float64]
+    #: Unit vectors from it towards the spindle, shape (N, 3).
+    direction: NDArray[np.float64]
+
+
 class ErrorTerm(Record):
     """An error of a machine.
 
     ``kind`` is location, component or tolerance. ``value`` is in ``unit``, the bound for a tolerance; a component error
-    has no single value: its ``value`` is ``None``.
+    has no single value: its ``value`` is ``None``. The term is a function of the position of its axis.
     """
 
-    __slots__ = ()
+    __slots__ = ("_at",)
+
+    def __init__(self, value: dict[str, Any], at: tuple[_abbe.NativeMachine, str]) -> None:
+        super().__init__(value)
+        self._at = at
+
+    def __call__(self, positions: ArrayLike, *, approach: Approach = "mean") -> NDArray[np.float64]:
+        """Returns the values at positions of the axis (mm or deg), in ``unit``; of a tolerance 0."""
+        given = _positions("the axis", positions)
+        flat = np.ascontiguousarray(given).reshape(-1)
+        return _abbe.curve(*self._at, flat, approach).reshape(given.shape)
 
     kind: Literal["location", "component", "tolerance"]
     value: Any
@@ -89,6 +109,21 @@ class Machine(Verbs):
     def __dask_tokenize__(self) -> object:
         return self.__reduce__()[1]
 
+    def _identity(self) -> tuple[Any, ...]:
+        # The text of a variant names its place, and says what changed.
+        return (*self._sources(), self._arguments[2].__repr__(), self.tool)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Machine) and self._identity() == other._identity()
+
+    def __hash__(self) -> int:
+        return hash(self._identity())
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise AttributeError(f"a machine does not change: `with_` returns a variant with another `{name}`")
+        super().__setattr__(name, value)
+
     def __repr__(self) -> str:
         return f"<Machine {self.name!r}: {self.chain}>"
 
@@ -113,10 +148,12 @@ class Machine(Verbs):
         return tuple(self._native.axes())
 
     @cached_property
-    def grid(self) -> dict[str, NDArray[np.float64]]:
-        """The positions of the nodes of the grid of the volume by axis, mm and deg."""
-        nodes = zip(self.axis_names, self._native.grid(), strict=True)
-        return {name: np.array(positions) for name, positions in nodes}
+    def grid(self) -> Mapping[str, NDArray[np.float64]]:
+        """The positions of the nodes of the grid of the volume by axis, mm and deg; arrays to read."""
+        nodes = {name: np.array(of) for name, of in zip(self.axis_names, self._native.grid(), strict=True)}
+        for of in nodes.values():
+            of.flags.writeable = False
+        return MappingProxyType(nodes)
 
     @cached_property
     def geometry(self) -> ChainResult:
@@ -154,9 +191,10 @@ class Machine(Verbs):
         return self.geometry.conventions
 
     @cached_property
-    def errors(self) -> dict[str, ErrorTerm]:
-        """The errors by name, mm and rad."""
-        return {name: ErrorTerm(error) for name, error in json.loads(self._native.errors()).items()}
+    def errors(self) -> Mapping[str, ErrorTerm]:
+        """The errors by name, mm and rad; each is a function of the position of its axis, too."""
+        found = json.loads(self._native.errors())
+        return MappingProxyType({name: ErrorTerm(error, (self._native, name)) for name, error in found.items()})
 
     def with_tool(self, name: str) -> Machine:
         """Returns the machine with another of its tools."""
@@ -203,8 +241,23 @@ class Machine(Verbs):
         """
         positions = self._positions(poses)
         self._warn_of_radians(positions)
-        native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads), out)
+        try:
+            native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads), out)
+        except DiagnosticError as refused:
+            raise self._with_place(refused, positions) from None
         return Deviations(*native)
+
+    def _with_place(self, refused: DiagnosticError, positions: Any) -> DiagnosticError:
+        """Returns a refusal of poses with the first row that is no pose of the machine, and its axis."""
+        columns = positions if isinstance(positions, list) else list(np.atleast_2d(positions).T)
+        for name, column in zip(self.axis_names, columns, strict=False):
+            low, high = self.axes[name].travel
+            beyond = (column < low) | (column > high) if not self.axes[name].continuous else np.abs(column) > 1e6
+            rows = np.flatnonzero(beyond | ~np.isfinite(column))
+            if rows.size and refused.code in ("E0802", "E0803"):
+                place = f"first at row {rows[0]} of the poses: {name} = {column[rows[0]]}"
+                return type(refused)(f"{refused.text}\n{place}", refused.diagnostics)
+        return refused
 
     def _warn_of_radians(self, positions: Any) -> None:
         """Warns of rotary columns of a sweep that look like radians: positions are in deg."""
@@ -221,7 +274,7 @@ class Machine(Verbs):
         names = _column_names(poses)
         if names is not None:
             return self._columns(poses, names)
-        array = np.asarray(poses, dtype=np.float64)
+        array = real(poses, "poses")
         if array.ndim == 1:
             array = array.reshape(1, -1)
         if array.ndim != 2:
@@ -245,13 +298,105 @@ class Machine(Verbs):
         shape = (next(iter(counts.values()), 1),)
         return [np.ascontiguousarray(np.broadcast_to(column, shape)) for column in given.values()]
 
-    def goal(self, length: float | str, **options: Any) -> BudgetResult:
-        """Seeks the cheapest tolerances for a 95 % value of the position: mm, or a text such as ``"30 um"``.
+    def goal(
+        self,
+        length: str,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        **options: Unpack[BudgetOptions],
+    ) -> BudgetResult:
+        """Seeks the cheapest tolerances for a 95 % value of the position, such as ``"30 um"``.
 
         The options are those of :meth:`budget`; the answer is the field ``goal`` of the result.
         """
-        goal_mm = _abbe.length_mm(length) if isinstance(length, str) else float(length)
-        return self.budget(goal_mm=goal_mm, **options)
+        if not isinstance(length, str):
+            raise TypeError(f"a length with its unit, such as '30 um', and not {length!r}")
+        options["goal_mm"] = _abbe.length_mm(length)
+        return self.budget(**options, threads=threads, progress=progress)
+
+    def nominal(self, poses: Poses, *, threads: int | None = None) -> Nominal:
+        """Returns tip and direction of the tool of the machine without errors, in the coordinates of the part."""
+        rows = self._rows(poses)
+        found = _abbe.nominal(self._native, rows, threads_of(threads)).reshape(-1, 6)
+        return Nominal(found[:, :3], found[:, 3:])
+
+    def inverse(
+        self, tips: ArrayLike, directions: ArrayLike, *, path: bool = False, threads: int | None = None
+    ) -> NDArray[np.float64]:
+        """Returns poses, shape (N, axes), at which the machine without errors holds its tool so; NaN out of reach.
+
+        ``tips`` are points of the part (mm), ``directions`` vectors from them towards the spindle, both of shape
+        (N, 3); one direction counts for all. ``path`` solves them as one continuous path: the fewest rewinds, then the
+        least motion.
+        """
+        points = real(tips, "tips")
+        both = np.hstack([points, np.broadcast_to(real(directions, "directions"), points.shape)])
+        columns = dict(zip(("X [mm]", "Y [mm]", "Z [mm]", "I", "J", "K"), both.T, strict=True))
+        found = self.map(poses={"tool_poses": columns}, path=path, order=1, worst=0, rows=True, threads=threads)
+        poses = np.full((len(both), len(self.axis_names)), np.nan)
+        # The first line has the names.
+        missed = [row["line"] - 2 for row in found.to_dict()["tool_poses"]["rows"]]
+        rows = [found.rows[name] for name in (found.rows.dtype.names or ())[: len(self.axis_names)]]
+        poses[np.setdiff1d(np.arange(len(both)), missed)] = np.column_stack(rows)
+        return poses
+
+    def jacobian(
+        self,
+        poses: Poses,
+        errors: Sequence[str] | None = None,
+        *,
+        frame: Frame = "workpiece",
+        threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """Returns the deviation for 1 mm or 1 rad of each error, to first order: shape (N, 6, errors).
+
+        The six rows are the position along x, y, z and the rotation about x, y, z; the errors are those of the machine
+        unless ``errors`` names others of its chain.
+        """
+        names = list(self.errors if errors is None else errors)
+        found = _abbe.jacobian(self._native, self._rows(poses), names, frame, threads_of(threads))
+        return found.reshape(-1, 6, len(names))
+
+    def uncertainty(
+        self, poses: Poses, *, approach: Approach = "mean", frame: Frame = "workpiece", threads: int | None = None
+    ) -> Deviations:
+        """Returns the expanded uncertainty (k = 2) of the deviations, where the machine states that of its errors."""
+        found = _abbe.uncertainty(self._native, self._rows(poses), approach, frame, threads_of(threads))
+        if found is None:
+            raise ValueError("the machine states no uncertainty of its errors")
+        return Deviations(found.reshape(-1, 6)[:, :3], found.reshape(-1, 6)[:, 3:])
+
+    def drawn_deviations(
+        self,
+        poses: Poses,
+        values: Mapping[str, ArrayLike],
+        *,
+        order: int | str | None = None,
+        approach: Approach = "mean",
+        threads: int | None = None,
+    ) -> Deviations:
+        """Returns the deviations of M machines at N poses: arrays of shape (M, N, 3).
+
+        ``values`` has for location errors by name the M values (mm and rad), or one for all, in place of those of the
+        machine: a mapping, a DataFrame, a structured array.
+        """
+        names = _column_names(values)
+        if not names:
+            raise ValueError("values by the names of location errors")
+        table = np.stack(np.broadcast_arrays(*(np.atleast_1d(real(values[name], name)) for name in names)), axis=1)
+        rows, table = self._rows(poses), np.ascontiguousarray(table)
+        found = _abbe.drawn(self._native, rows, names, table, order_of(order), approach, threads_of(threads))
+        by_machine = found.reshape(len(table), 6, len(rows)).transpose(0, 2, 1)
+        return Deviations(by_machine[..., :3], by_machine[..., 3:])
+
+    def _listed(self, poses: Poses | None) -> list[list[float]] | None:
+        return None if poses is None else list(self._rows(poses).tolist())
+
+    def _rows(self, poses: Poses) -> NDArray[np.float64]:
+        positions = self._positions(poses)
+        rows = np.column_stack(positions) if isinstance(positions, list) else positions
+        return np.ascontiguousarray(rows)
 
     def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:
         # The picture hangs on a plane, and not on the poses.
@@ -271,13 +416,17 @@ class Machine(Verbs):
 
         def again() -> Any:
             try:
-                return _abbe.run(verb, [self._native], [], json_of(options), texts, False, threads_of(threads))
+                named = list(texts)
+                asked = json_of(spelt(options, named))
+                return _abbe.run(verb, [self._native], [], asked, named, False, threads_of(threads))
             except DiagnosticError:
                 return None
 
         return again
 
-    def _repr_svg_(self) -> str:
+    @property
+    def chain_svg(self) -> str:
+        """A picture of the chain, SVG."""
         return self._native.chain_svg()
 
     @property
@@ -291,7 +440,7 @@ class Machine(Verbs):
             counts[error["kind"]] += 1
         errors = ", ".join(f"{count} {kind}" for kind, count in counts.items())
         facts = [("machine", self.name), ("file", self.path), ("chain", self.chain), ("errors", errors)]
-        return html_table(facts) + inline(self._repr_svg_())
+        return html_table(facts) + inline(self.chain_svg)
 
 
 def load(path: Text, *, tool: str | None = None) -> Machine:
@@ -344,7 +493,7 @@ def _variant(path: str, taken: set[str], changes: Mapping[str, Any]) -> tuple[st
 def _positions(name: str, column: Any) -> NDArray[np.float64]:
     """Returns the positions of an axis: one number, or a column."""
     try:
-        positions = np.asarray(column, dtype=np.float64)
+        positions = real(column, f"the positions of {name}")
     except (TypeError, ValueError) as why:
         raise ValueError(f"the positions of {name} are no numbers (mm or deg): {why}") from None
     if positions.ndim > 1:

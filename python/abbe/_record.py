@@ -56,15 +56,23 @@ class Record(Mapping[str, Any]):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._value]
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise AttributeError(f"results do not change: `{name}` cannot be set")
+        object.__setattr__(self, name, value)
+
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Record) and self._value == other._value
+        return bool(self._value == (other._value if isinstance(other, Record) else other))
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._value!r})"
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns the object as plain Python values."""
-        return self._value
+        """Returns the object as plain Python values, which are the caller's own."""
+        own: dict[str, Any] = copied(self._value)
+        return own
 
 
 class Named(Record, Generic[Value]):
@@ -89,6 +97,13 @@ class Named(Record, Generic[Value]):
 
     def __setstate__(self, state: Any) -> None:
         self._value, self._kind = state
+
+
+def copied(value: Any) -> Any:
+    """Returns a copy of objects and lists of JSON."""
+    if isinstance(value, dict):
+        return {key: copied(inner) for key, inner in value.items()}
+    return [copied(inner) for inner in value] if isinstance(value, list) else value
 
 
 def wrapped(value: Any, kind: Any = None) -> Any:

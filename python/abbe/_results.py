@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _abbe, _fields
-from ._record import Record
+from ._record import Record, copied
 
 if TYPE_CHECKING:
     import pandas
@@ -28,26 +28,53 @@ class Result(Record):
     :meth:`to_dict`. Units stand in the names of the fields.
     """
 
-    __slots__ = ("_files", "_texts")
+    __slots__ = ("_files", "_headline", "_texts")
 
     #: The field that :meth:`to_pandas` and :meth:`to_arrow` make a table of.
     _table: str | None = None
-    #: The columns of the table that notebooks show.
+    #: The columns that text and notebooks show, and the field that has them if it is not that of the table.
     _shown: tuple[str, ...] = ()
+    _ranking: str | None = None
 
     def __init__(self, found: _abbe.NativeOutcome) -> None:
         super().__init__(json.loads(found.json()))
+        self._headline = found.headline()
         self._texts = dict(found.texts())
         self._files = dict(found.files())
 
     def __getstate__(self) -> Any:
-        return self._value, self._texts, self._files
+        return self._value, self._headline, self._texts, self._files
 
     def __setstate__(self, state: Any) -> None:
-        self._value, self._texts, self._files = state
+        self._value, self._headline, self._texts, self._files = state
+
+    @property
+    def headline(self) -> str:
+        """The first lines of the program's text: the figure that decides, its interval, and what it is over."""
+        return self._headline
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {', '.join(self._value)}>"
+        lines = [*(self._headline.splitlines() or [", ".join(self._value)]), *self._rows_of_text(), *self._warned()]
+        return "\n  ".join([f"<{type(self).__name__}: {lines[0]}", *lines[1:]]) + ">"
+
+    def _warned(self) -> list[str]:
+        count = self._value.get("more_warnings", 0)
+        lines = [f"warning {one['code']}: {one['message']}" for one in self._value.get("warnings", [])]
+        return [*lines, f"and {count} more warnings"] if count else lines
+
+    def _ranked(self) -> list[list[Any]]:
+        rows = _at(self._value, self._ranking or self._table or "") if self._shown else []
+        if isinstance(rows, dict):
+            # Errors by name, the one first that leaves most.
+            named = [{"error": name, **of} for name, of in rows.items()]
+            rows = sorted(named, key=lambda row: -row["left_um"])
+        return [[_at(row, column, None) for column in self._shown] for row in rows]
+
+    def _rows_of_text(self) -> list[str]:
+        rows = self._ranked()
+        lines = ["  ".join(_text(cell) for cell in row) for row in rows[:_LINES]]
+        more = [f"and {len(rows) - _LINES} more: to_pandas()"] if len(rows) > _LINES else []
+        return [", ".join(self._shown) + ":", *lines, *more] if rows else []
 
     @property
     def pictures(self) -> dict[str, str]:
@@ -57,7 +84,7 @@ class Result(Record):
     def records(self) -> list[dict[str, Any]]:
         """Returns the rows of the table of this result as flat dictionaries, names of nested keys joined by dots."""
         rows = self._value if self._table is None else _at(self._value, self._table)
-        return [dict(_flat(row)) for row in (rows if isinstance(rows, list) else [rows])]
+        return [dict(_flat(row)) for row in (rows if isinstance(rows, (list, tuple)) else [rows])]
 
     def to_pandas(self) -> pandas.DataFrame:
         """Returns the table of this result as a DataFrame (needs pandas)."""
@@ -75,23 +102,36 @@ class Result(Record):
         """Hands the table of this result to other libraries (needs pyarrow)."""
         return self.to_arrow().__arrow_c_stream__(requested_schema)
 
-    def _repr_svg_(self) -> str | None:
+    def _picture(self) -> str | None:
         return next(iter(self.pictures.values()), None)
 
-    def _repr_html_(self) -> str | None:
+    def _repr_html_(self) -> str:
         facts = [(key, value) for key, value in self._value.items() if isinstance(value, (str, int, float, bool))]
-        picture = self._repr_svg_()
-        rows = [[row.get(column) for column in self._shown] for row in self.records()] if self._shown else []
+        head = [f"<strong>{html.escape(line)}</strong>" for line in self._headline.splitlines()]
+        lines = "<br>".join(head + [html.escape(line) for line in self._warned()])
+        rows = self._ranked()
         table = html_rows(self._shown, rows) if rows else ""
-        return html_table(facts) + table + ("" if picture is None else inline(picture))
+        picture = self._picture()
+        return f"<p>{lines}</p>" * bool(lines) + (table or html_table(facts)) + (inline(picture) if picture else "")
 
+
+#: Rows of a ranking in the text of a result.
+_LINES = 5
 
 #: Rows of a table that notebooks show; ``to_pandas`` has all.
 _ROWS = 40
 
 
+def _text(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_text(inner)}" for key, inner in value.items())
+    if isinstance(value, list):
+        return f"({', '.join(map(_text, value))})"
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
 def _cell(value: Any) -> str:
-    return html.escape("" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value))
+    return html.escape(_text(value))
 
 
 def html_table(rows: list[tuple[str, Any]]) -> str:
@@ -113,9 +153,9 @@ def inline(svg: str) -> str:
     return svg[svg.index("<svg") :]
 
 
-def _at(value: Any, path: str) -> Any:
+def _at(value: Any, path: str, absent: Any = ()) -> Any:
     for key in path.split("."):
-        value = value.get(key, []) if isinstance(value, dict) else []
+        value = value.get(key, absent) if isinstance(value, dict) else absent
     return value
 
 
@@ -124,7 +164,7 @@ def _flat(value: dict[str, Any], lead: str = "") -> Iterator[tuple[str, Any]]:
         if isinstance(inner, dict):
             yield from _flat(inner, f"{lead}{key}.")
         else:
-            yield lead + key, inner
+            yield lead + key, copied(inner)
 
 
 class EvalResult(_fields.EvalFields, Result):
@@ -132,6 +172,7 @@ class EvalResult(_fields.EvalFields, Result):
 
     __slots__ = ()
     _table = "poses"
+    _shown = ("axes", "deviation", "rotation")
 
 
 class DrawnLater(Result):
@@ -147,13 +188,13 @@ class DrawnLater(Result):
         super().__setstate__(state)
         self._again = None
 
-    def _repr_svg_(self) -> str | None:
-        picture = super()._repr_svg_()
+    def _picture(self) -> str | None:
+        picture = super()._picture()
         if picture is None and self._again is not None:
             found, self._again = self._again(), None
             if found is not None:
                 self._texts.update({name: text for name, text in found.texts() if name.endswith(".svg")})
-            picture = super()._repr_svg_()
+            picture = super()._picture()
         return picture
 
 
@@ -165,11 +206,14 @@ class MapResult(_fields.MapFields, DrawnLater):
 
     __slots__ = ("_rows",)
     _table = "worst"
+    _shown = ("axes", "deviation_um")
 
     def __init__(self, found: _abbe.NativeOutcome, again: Callable[[], Any] | None = None) -> None:
         super().__init__(found, again)
         rows = found.rows()
         self._rows = None if rows is None else np.load(io.BytesIO(rows.tobytes()))
+        if self._rows is not None:
+            self._rows.flags.writeable = False
 
     def __getstate__(self) -> Any:
         return super().__getstate__(), self._rows
@@ -262,6 +306,7 @@ class CompareResult(_fields.CompareFields, Result):
 
     __slots__ = ()
     _table = "machines"
+    _shown = ("machine", "file", "position_um.p95", "position_um.max")
 
 
 class BudgetResult(_fields.BudgetFields, Result):
@@ -269,6 +314,7 @@ class BudgetResult(_fields.BudgetFields, Result):
 
     __slots__ = ()
     _table = "tighten"
+    _shown = ("error", "tolerance", "unit", "um_of_p95")
 
     @property
     def state(self) -> str:
@@ -283,6 +329,7 @@ class EnumerateResult(_fields.EnumerateFields, Result):
 
     __slots__ = ()
     _table = "ranked"
+    _shown = ("chain", "um", "low", "high", "reached")
 
     @property
     def state(self) -> str:
@@ -308,6 +355,26 @@ class IdentifyResult(_fields.IdentifyFields, DrawnLater):
     _shown = ("name", "value", "sigma", "unit")
 
     @property
+    def covariance(self) -> pandas.DataFrame:
+        """The covariance of ``parameters`` in their units, by their names; free ones have no part (needs pandas)."""
+        import pandas
+
+        names = [parameter.name for parameter in self.parameters]
+        return pandas.DataFrame(json.loads(self._texts["covariance.json"]), names, names)
+
+    @property
+    def reading_residuals(self) -> pandas.DataFrame:
+        """Measured minus predicted, a row for each measurement in its order (needs pandas).
+
+        ``kind`` is that of the reading, ``x``, ``y``, ``z`` are in ``unit``; of a single number ``x`` has it.
+        """
+        import pandas
+
+        rows = json.loads(self._texts["residuals.json"])
+        flat = [{"kind": r["kind"], **dict(zip("xyz", r["residual"], strict=True)), "unit": r["unit"]} for r in rows]
+        return pandas.DataFrame(flat)
+
+    @property
     def machine_file(self) -> str:
         """The text of the fitted machine file, asked for by ``machine_file=True``."""
         if "machine.yaml" not in self._texts:
@@ -320,6 +387,8 @@ class PlanResult(_fields.PlanFields, Result):
 
     __slots__ = ()
     _table = "poses"
+    _ranking = "parameters"
+    _shown = ("name", "sigma", "unit")
 
     @property
     def csv(self) -> str:
@@ -383,6 +452,8 @@ class CertificateResult(_fields.CertificateFields, Result):
     """The residual after a controller has applied its files, um and urad."""
 
     __slots__ = ()
+    _ranking = "errors"
+    _shown = ("error", "alone_um", "left_um")
 
 
 class Folder(Result):
@@ -457,6 +528,7 @@ class DiffResult(_fields.DiffFields, Result):
 
     __slots__ = ()
     _table = "differences"
+    _shown = ("kind", "name", "first", "second", "minus_first_um")
 
 
 class SetDiffResult(_fields.SetDiffFields, Result):

@@ -7,8 +7,8 @@ from os import PathLike
 from typing import Any, Literal, TypedDict, Union
 
 from . import _abbe
-from ._calls import Text, call, order_of
-from ._readings import files_and_texts
+from ._calls import call, order_of
+from ._readings import files_and_texts, folders_and_texts
 from ._results import (
     BudgetResult,
     CertificateResult,
@@ -37,6 +37,14 @@ from ._results import (
     TouchImportResult,
     TrendResult,
 )
+from ._types import At, Poses, Progress, Table, Text
+from ._types import Plane as PlaneOfAxes
+
+#: Classes of machines.
+ClassName = Literal["ultra-precision", "premium", "production", "commodity", "large-gantry", "desktop"]
+
+#: Controllers; a path names one of templates of your own.
+TargetName = Union[Literal["linuxcnc", "linuxcnc-kins", "linuxcnc-matrixkins", "linuxcnc-trt", "linuxcnc-5axiskins", "linuxcnc-maxkins", "isg-volcomp", "etalon-exchange", "sinumerik-cec", "sinumerik-enc", "sinumerik-traori", "sinumerik-chain", "sinumerik-tcarr", "heidenhain-com", "heidenhain-kinematics", "fanuc-pitch", "fanuc-3d", "fanuc-5axis", "haas-mrzp", "twincat-axis", "pmac", "kmotion-geo", "reprapfirmware", "klipper", "marlin", "grbl", "grid-csv", "grid-json"], PathLike[str]]
 
 #: What is taken out of the deviations of a part.
 ReferenceKind = Literal["machine", "machine-less-unheld", "zero", "zero-less-unheld", "datum", "best-fit"]
@@ -92,7 +100,7 @@ Reference = TypedDict(
 ReferenceOption = Union[Text, Reference]
 
 #: The order to which errors are followed; as text ``exact`` or ``1`` to ``6``.
-Order = Union[int, str]
+Order = Union[int, Literal['exact', '1', '2', '3', '4', '5', '6']]
 
 #: The side from which a position is approached; curves may differ (reversal).
 Approach = Literal["mean", "forward", "reverse"]
@@ -103,8 +111,16 @@ Frame = Literal["workpiece", "machine", "tool"]
 #: Letters of the symbols.
 Naming = Literal["iso", "paper"]
 
+RandomChoice = TypedDict("RandomChoice", {"random": int})
+
+LowDiscrepancyChoice = TypedDict("LowDiscrepancyChoice", {"low_discrepancy": int})
+
+ToolPosesChoice = TypedDict("ToolPosesChoice", {"tool_poses": Table})
+
+JobChoice = TypedDict("JobChoice", {"job": Text})
+
 #: Poses of a map; at most 1e9.
-MapPoses = Union[Literal["grid"], Mapping[str, int], Mapping[str, Text]]
+MapPoses = Union[Literal["grid"], RandomChoice, LowDiscrepancyChoice, ToolPosesChoice, JobChoice]
 
 #: Style of the drawing of a deviation over a plane.
 PlaneDrawing = Literal["colours", "grid", "before_after"]
@@ -122,8 +138,8 @@ PlaneOptions = TypedDict(
     "PlaneOptions",
     {
         "drawing": PlaneDrawing,
-        "plane": Union[Text, None],
-        "at": Union[Text, None],
+        "plane": Union[PlaneOfAxes, None],
+        "at": Union[At, None],
         "component": PlaneComponent,
     },
     total=False,
@@ -174,8 +190,77 @@ Distribution = Literal["uniform", "triangular"]
 #: The statistic of one machine's deviations over the poses.
 Statistic = Literal["max", "p95"]
 
+#: Options of :meth:`abbe.Machine.reach`.
+ReachOptions = TypedDict(
+    "ReachOptions",
+    {
+    "region": Union[Text, None],
+    "step_mm": Union[float, None],
+    "directions": Union[int, None],
+    "tool_poses": Union[Table, None],
+    "job": Union[Text, None],
+    "path": Union[bool, None],
+    "reference": Union[ReferenceOption, None],
+    },
+    total=False,
+)
+
+#: Options of :meth:`abbe.Machine.budget`.
+BudgetOptions = TypedDict(
+    "BudgetOptions",
+    {
+    "class_": Union[ClassName, None],
+    "distribution": Distribution,
+    "statistic": Statistic,
+    "seed": int,
+    "poses": int,
+    "tool_poses": Union[Table, None],
+    "job": Union[Text, None],
+    "path": Union[bool, None],
+    "reference": Union[ReferenceOption, None],
+    "samples": int,
+    "at": Union[At, None],
+    "goal_mm": Union[float, None],
+    "cost": Union[Text, None],
+    "loosen": bool,
+    "shard": Union[tuple[int, int], None],
+    "merge": Union[Sequence[Text], None],
+    },
+    total=False,
+)
+
 #: Criterion of the arrangements.
 JudgedBy = Literal["budget", "errors"]
+
+#: Options of :meth:`abbe.Machine.enumerate`.
+EnumerateOptions = TypedDict(
+    "EnumerateOptions",
+    {
+    "class_": Union[ClassName, None],
+    "distribution": Distribution,
+    "statistic": Statistic,
+    "seed": int,
+    "by": Union[JudgedBy, None],
+    "require": Union[Sequence[Text], None],
+    "buildable": bool,
+    "max_table": Union[int, None],
+    "rotary": Union[int, None],
+    "poses": int,
+    "tool_poses": Union[Table, None],
+    "job": Union[Text, None],
+    "path": Union[bool, None],
+    "reference": Union[ReferenceOption, None],
+    "size": bool,
+    "samples": int,
+    "max_samples": Union[int, None],
+    "first": int,
+    "reach_percent": float,
+    "state": Union[Text, None],
+    "shard": Union[tuple[int, int], None],
+    "merge": Union[Sequence[Text], None],
+    },
+    total=False,
+)
 
 #: A measuring instrument.
 Instrument = Literal["ball_bar", "r_test", "diagonals", "step_diagonals"]
@@ -188,6 +273,29 @@ FitRange = Literal["travel", "measured"]
 
 #: What a caller takes on their own word.
 FitAcceptance = Literal["suspect", "undetermined"]
+
+#: Options of :meth:`abbe.Machine.identify`.
+IdentifyOptions = TypedDict(
+    "IdentifyOptions",
+    {
+    "fit": Union[Sequence[Text], None],
+    "fixed": Union[Sequence[Text], None],
+    "priors": Union[Sequence[Text], None],
+    "type_b": Union[Sequence[Text], None],
+    "frame": Frame,
+    "axis_poses": Union[Text, None],
+    "order": Union[Order, None],
+    "robust": bool,
+    "folds": Union[int, None],
+    "range": FitRange,
+    "machine_file": bool,
+    "noise_mm": Union[float, None],
+    "accept": Union[Sequence[FitAcceptance], None],
+    "accept_undetermined": bool,
+    "pictures": bool,
+    },
+    total=False,
+)
 
 #: The instrument for which readings are planned.
 PlanInstrument = Literal["points", "r_test", "tracker", "laser"]
@@ -216,7 +324,7 @@ Limits = TypedDict(
 ToleranceOptions = TypedDict(
     "ToleranceOptions",
     {
-        "class": Union[Text, None],
+        "class": Union[ClassName, None],
         "distribution": Distribution,
         "statistic": Statistic,
     },
@@ -277,12 +385,15 @@ class Verbs:
     ) -> Callable[[], Any]:
         raise NotImplementedError
 
+    def _listed(self, poses: Poses | None) -> list[list[float]] | None:
+        raise NotImplementedError
+
     def eval(
         self,
         *,
-        at: Sequence[Text] | None = None,
-        poses: Sequence[Sequence[float]] | None = None,
-        pose_file: Text | None = None,
+        at: Sequence[At] | None = None,
+        poses: Poses | None = None,
+        pose_file: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -294,6 +405,7 @@ class Verbs:
         sensitivity: bool = False,
         interactions: bool = False,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> EvalResult:
         """Evaluates poses one by one: deviation, E_VE, and what each error contributes.
 
@@ -318,7 +430,7 @@ class Verbs:
         """
         options: dict[str, Any] = {
             "at": at,
-            "poses": poses,
+            "poses": self._listed(poses),
             "pose_file": pose_file,
             "job": job,
             "path": path,
@@ -331,7 +443,7 @@ class Verbs:
             "sensitivity": sensitivity,
             "interactions": interactions,
         }
-        found = call("eval", [self._native], options, threads=threads)
+        found = call("eval", [self._native], options, threads=threads, progress=progress)
         return EvalResult(found)
 
     def equations(
@@ -342,6 +454,7 @@ class Verbs:
         symbols: Naming = "iso",
         tool_length: bool = False,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> EquationsResult:
         """Returns the closed forms: E_VE and deviations as polynomials in the errors.
 
@@ -359,7 +472,7 @@ class Verbs:
             "symbols": symbols,
             "tool_length": tool_length,
         }
-        found = call("equations", [self._native], options, threads=threads)
+        found = call("equations", [self._native], options, threads=threads, progress=progress)
         return EquationsResult(found)
 
     def convert(
@@ -369,6 +482,7 @@ class Verbs:
         datum: Text | None = None,
         within_mm: float | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ConvertResult:
         """Returns the same machine under other conventions.
 
@@ -386,7 +500,7 @@ class Verbs:
             "datum": datum,
             "within_mm": within_mm,
         }
-        found = call("convert", [self._native], options, threads=threads)
+        found = call("convert", [self._native], options, threads=threads, progress=progress)
         return ConvertResult(found)
 
     def map(
@@ -403,13 +517,14 @@ class Verbs:
         frame: Frame = "workpiece",
         worst: int = 5,
         picture: PlaneOptions | None = None,
-        target: Text | None = None,
+        target: TargetName | None = None,
         compensation: CompensationOptions | None = None,
-        class_: Text | None = None,
+        class_: ClassName | None = None,
         distribution: Distribution = "uniform",
         statistic: Statistic = "max",
         samples: int = 1000,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> MapResult:
         """Maps the error over the volume.
 
@@ -457,7 +572,7 @@ class Verbs:
             "statistic": statistic,
             "samples": samples,
         }
-        found = call("map", [self._native], options, rows=rows, threads=threads)
+        found = call("map", [self._native], options, rows=rows, threads=threads, progress=progress)
         return MapResult(found, self._picture_again(options, threads))
 
     def reach(
@@ -466,11 +581,12 @@ class Verbs:
         region: Text | None = None,
         step_mm: float | None = None,
         directions: int | None = None,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ReachResult:
         """Returns the tips and directions of the tool within reach over a box.
 
@@ -499,7 +615,7 @@ class Verbs:
             "path": path,
             "reference": reference,
         }
-        found = call("reach", [self._native], options, threads=threads)
+        found = call("reach", [self._native], options, threads=threads, progress=progress)
         return ReachResult(found)
 
     def place(
@@ -508,17 +624,18 @@ class Verbs:
         ranges: Text = "",
         figure: bool = False,
         job: Text | None = None,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         path: bool | None = None,
         reference: Reference | None = None,
         order: Order | None = None,
         approach: Approach = "mean",
-        class_: Text | None = None,
+        class_: ClassName | None = None,
         distribution: Distribution = "uniform",
         statistic: Statistic = "max",
         samples: int = 1000,
         seed: int = 1,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> PlacementResult:
         """Tries the part of a job at places of the table: reach and deviation at each.
 
@@ -559,19 +676,19 @@ class Verbs:
             "samples": samples,
             "seed": seed,
         }
-        found = call("place", [self._native], options, threads=threads)
+        found = call("place", [self._native], options, threads=threads, progress=progress)
         return PlacementResult(found)
 
     def compare(
         self,
         *others: Verbs,
         poses: int = 1000,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
         seed: int = 1,
-        class_: Text | None = None,
+        class_: ClassName | None = None,
         distribution: Distribution = "uniform",
         statistic: Statistic = "max",
         samples: int = 1000,
@@ -579,6 +696,7 @@ class Verbs:
         order: Order | None = None,
         approach: Approach = "mean",
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> CompareResult:
         """Compares the machine with others on the same tool poses.
 
@@ -620,29 +738,30 @@ class Verbs:
             "order": order_of(order),
             "approach": approach,
         }
-        found = call("compare", [self._native, *(other._native for other in others)], options, threads=threads)
+        found = call("compare", [self._native, *(other._native for other in others)], options, threads=threads, progress=progress)
         return CompareResult(found)
 
     def budget(
         self,
         *,
-        class_: Text | None = None,
+        class_: ClassName | None = None,
         distribution: Distribution = "uniform",
         statistic: Statistic = "max",
         seed: int = 1,
         poses: int = 500,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
         samples: int = 1000,
-        at: Text | None = None,
+        at: At | None = None,
         goal_mm: float | None = None,
         cost: Text | None = None,
         loosen: bool = False,
         shard: tuple[int, int] | None = None,
         merge: Sequence[Text] | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> BudgetResult:
         """Returns what tolerances do to the volumetric error, and which to tighten first.
 
@@ -690,13 +809,13 @@ class Verbs:
             "shard": shard,
             "merge": merge,
         }
-        found = call("budget", [self._native], options, threads=threads)
+        found = call("budget", [self._native], options, threads=threads, progress=progress)
         return BudgetResult(found)
 
     def enumerate(
         self,
         *,
-        class_: Text | None = None,
+        class_: ClassName | None = None,
         distribution: Distribution = "uniform",
         statistic: Statistic = "max",
         seed: int = 1,
@@ -706,7 +825,7 @@ class Verbs:
         max_table: int | None = None,
         rotary: int | None = None,
         poses: int = 500,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -719,6 +838,7 @@ class Verbs:
         shard: tuple[int, int] | None = None,
         merge: Sequence[Text] | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> EnumerateResult:
         """Ranks all arrangements of the axes on the same work.
 
@@ -782,7 +902,7 @@ class Verbs:
             "shard": shard,
             "merge": merge,
         }
-        found = call("enumerate", [self._native], options, threads=threads)
+        found = call("enumerate", [self._native], options, threads=threads, progress=progress)
         return EnumerateResult(found)
 
     def instrument(
@@ -792,9 +912,10 @@ class Verbs:
         plane: Plane | None = None,
         radius_mm: float = 100.0,
         axis: Text | None = None,
-        at: Text | None = None,
+        at: At | None = None,
         points: int | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> InstrumentResult:
         """Returns the readings of an instrument.
 
@@ -818,12 +939,12 @@ class Verbs:
             "at": at,
             "points": points,
         }
-        found = call("instrument", [self._native], options, threads=threads)
+        found = call("instrument", [self._native], options, threads=threads, progress=progress)
         return InstrumentResult(found)
 
     def identify(
         self,
-        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
+        data: Iterable[Table] | Table | None = None,
         *,
         fit: Sequence[Text] | None = None,
         fixed: Sequence[Text] | None = None,
@@ -841,6 +962,7 @@ class Verbs:
         accept_undetermined: bool = False,
         pictures: bool = False,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> IdentifyResult:
         """Fits errors to measurements.
 
@@ -889,12 +1011,12 @@ class Verbs:
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
         }
-        found = call("identify", [self._native], options, texts=texts, threads=threads)
+        found = call("identify", [self._native], options, texts=texts, threads=threads, progress=progress)
         return IdentifyResult(found, self._fit_picture_again(options, texts, threads))
 
     def fit_monomials(
         self,
-        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
+        data: Iterable[Table] | Table | None = None,
         *,
         fit: Sequence[Text] | None = None,
         fixed: Sequence[Text] | None = None,
@@ -912,6 +1034,7 @@ class Verbs:
         accept_undetermined: bool = False,
         pictures: bool = False,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> MonomialResult:
         """Fits monomials of order 2, component by component, as the papers do.
 
@@ -960,7 +1083,7 @@ class Verbs:
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
         }
-        found = call("fit_monomials", [self._native], options, texts=texts, threads=threads)
+        found = call("fit_monomials", [self._native], options, texts=texts, threads=threads, progress=progress)
         return MonomialResult(found)
 
     def plan(
@@ -977,6 +1100,7 @@ class Verbs:
         noise_mm: float = 0.001,
         seed: int = 1,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> PlanResult:
         """Returns poses worth measuring, and the uncertainty that the parameters will have.
 
@@ -985,15 +1109,14 @@ class Verbs:
         * ``poses``: Number of readings, 1 to 1000: poses, of a laser lines.
         * ``instrument``: The instrument; it can take what its kind of readings and the volume allow.
         * ``balls``: R-test: poses at which the functional point is at a ball on the table, such as ``X=100,Y=50``;
-          other axes are where ``InstrumentOptions::at``(crate::InstrumentOptions::at) has them. By default there is one
-          ball.
+          other axes are where ``at`` has them. By default there is one ball.
         * ``ranges``: Ranges of axes within the volume to which the readings are confined: ``A=-60..60,C=0..180``, mm
           and deg.
         * ``candidates``: The readings to choose from, in place of those of an instrument: a file as it is read once it
           is measured, whose cells of readings are empty.
-        * ``fit``: Parameters to fit, as in ``IdentifyOptions``(super::IdentifyOptions).
+        * ``fit``: Parameters to fit, as in ``IdentifyOptions``.
         * ``fixed``: Parameters that keep their value.
-        * ``priors``: Values known before the data, as in ``IdentifyOptions``(super::IdentifyOptions).
+        * ``priors``: Values known before the data, as in ``IdentifyOptions``.
         * ``noise_mm``: Standard deviation of a reading, mm; above 0.
         * ``seed``: Seed of the readings to choose from.
         """
@@ -1009,18 +1132,19 @@ class Verbs:
             "noise_mm": noise_mm,
             "seed": seed,
         }
-        found = call("plan", [self._native], options, threads=threads)
+        found = call("plan", [self._native], options, threads=threads, progress=progress)
         return PlanResult(found)
 
     def locate(
         self,
-        path: Text,
+        path: Text | Mapping[str, bytes],
         *,
-        target: Text | None = None,
+        target: TargetName | None = None,
         templates: Text | None = None,
         installed: Text | None = None,
         max_change: float | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> LocateResult:
         """Returns the location errors that a control's own calibration found, beside those of the machine file.
 
@@ -1040,12 +1164,13 @@ class Verbs:
             "installed": installed,
             "max_change": max_change,
         }
-        found = call("locate", [self._native], options, words=[path], threads=threads)
+        words, texts = folders_and_texts(path)
+        found = call("locate", [self._native], options, words=words, texts=texts, threads=threads, progress=progress)
         return LocateResult(found)
 
     def compile(
         self,
-        target: Text | Sequence[Text] = "",
+        target: TargetName | Sequence[TargetName],
         *,
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
@@ -1055,7 +1180,7 @@ class Verbs:
         max_change: float | None = None,
         nothing_else: bool = False,
         out: Text | None = None,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -1063,6 +1188,7 @@ class Verbs:
         lattice: Sequence[Text] | None = None,
         max_nodes: int | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> CompileResult:
         """Compiles the files of a controller, with their certificate.
 
@@ -1111,20 +1237,20 @@ class Verbs:
             "lattice": lattice,
             "max_nodes": max_nodes,
         }
-        found = call("compile", [self._native], options, words=targets, threads=threads)
+        found = call("compile", [self._native], options, words=targets, threads=threads, progress=progress)
         return CompileResult(found)
 
     def verify(
         self,
-        folder: Text,
+        folder: Text | Mapping[str, bytes],
         *,
-        target: Text | None = None,
+        target: TargetName | None = None,
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
         seed: int = 1,
         installed: Text | None = None,
         max_change: float | None = None,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -1134,6 +1260,7 @@ class Verbs:
         type_b: Sequence[Text] | None = None,
         noise_mm: float | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> CertificateResult:
         """Replays the files in a folder, and certifies the residual.
 
@@ -1152,8 +1279,7 @@ class Verbs:
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
         * ``reference``: Motion that the part's set-up takes out; by default the zero at the part's origin.
-        * ``data``: Files of measurements, as ``identify``(super::identify()) takes them; none: there is no second
-          measurement.
+        * ``data``: Files of measurements, as ``identify`` takes them; none: there is no second measurement.
         * ``frame``: Frame in which the deviations were measured.
         * ``axis_poses``: The poses of points that a laser tracker's export has by name.
         * ``type_b``: Standard uncertainties that all readings share, in words; one that the machine file names too
@@ -1178,18 +1304,20 @@ class Verbs:
             "type_b": type_b,
             "noise_mm": noise_mm,
         }
-        found = call("verify", [self._native], options, words=[folder], threads=threads)
+        words, texts = folders_and_texts(folder)
+        found = call("verify", [self._native], options, words=words, texts=texts, threads=threads, progress=progress)
         return CertificateResult(found)
 
     def diff_sets(
         self,
-        old: Text,
-        new: Text,
+        old: Text | Mapping[str, bytes],
+        new: Text | Mapping[str, bytes],
         *,
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
         seed: int = 1,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> SetDiffResult:
         """Returns what two sets of files differ in.
 
@@ -1204,7 +1332,8 @@ class Verbs:
             "poses": poses,
             "seed": seed,
         }
-        found = call("diff_sets", [self._native], options, words=[old, new], threads=threads)
+        words, texts = folders_and_texts(old, new)
+        found = call("diff_sets", [self._native], options, words=words, texts=texts, threads=threads, progress=progress)
         return SetDiffResult(found)
 
     def diff(
@@ -1212,7 +1341,7 @@ class Verbs:
         other: Verbs,
         *,
         poses: int = 1000,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -1220,6 +1349,7 @@ class Verbs:
         order: Order | None = None,
         approach: Approach = "mean",
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> DiffResult:
         """Returns what two machines differ in, and what each difference does.
 
@@ -1246,16 +1376,16 @@ class Verbs:
             "order": order_of(order),
             "approach": approach,
         }
-        found = call("diff", [self._native, other._native], options, threads=threads)
+        found = call("diff", [self._native, other._native], options, threads=threads, progress=progress)
         return DiffResult(found)
 
     def report(
         self,
         *others: Verbs,
-        targets: Sequence[Text] | None = None,
+        targets: Sequence[TargetName] | None = None,
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
-        tool_poses: Text | None = None,
+        tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -1265,6 +1395,7 @@ class Verbs:
         tolerances: ToleranceOptions | None = None,
         samples: int = 1000,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ReportResult:
         """Returns one self-contained page of HTML for a design review.
 
@@ -1299,7 +1430,7 @@ class Verbs:
             "tolerances": tolerances,
             "samples": samples,
         }
-        found = call("report", [self._native, *(other._native for other in others)], options, threads=threads)
+        found = call("report", [self._native, *(other._native for other in others)], options, threads=threads, progress=progress)
         return ReportResult(found)
 
     def import_touches(
@@ -1310,6 +1441,7 @@ class Verbs:
         coordinates: TouchCoordinates | None = None,
         accept: Sequence[Acceptance] | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> TouchImportResult:
         """Reads what a touch probe logged at balls: touches for a fit, centres with their covariance.
 
@@ -1325,7 +1457,7 @@ class Verbs:
             "coordinates": coordinates,
             "accept": accept,
         }
-        found = call("import_touches", [self._native], options, words=[path], threads=threads)
+        found = call("import_touches", [self._native], options, words=[path], threads=threads, progress=progress)
         return TouchImportResult(found)
 
     def measure(
@@ -1339,6 +1471,7 @@ class Verbs:
         noise: float = 0.001,
         servo_period_s: float = 0.001,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> MeasureResult:
         """Writes the program of a controller that touches balls.
 
@@ -1359,7 +1492,7 @@ class Verbs:
             "noise": noise,
             "servo_period_s": servo_period_s,
         }
-        found = call("measure", [self._native], options, words=[sets], threads=threads)
+        found = call("measure", [self._native], options, words=[sets], threads=threads, progress=progress)
         return MeasureResult(found)
 
 
@@ -1383,6 +1516,7 @@ def import_readings(
     accept: Sequence[Acceptance] | None = None,
     needs_table: bool = False,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> ImportResult:
     """Makes a table of error curves of a measurement as an instrument exports it.
 
@@ -1426,7 +1560,7 @@ def import_readings(
         "accept": accept,
         "needs_table": needs_table,
     }
-    found = call("import_readings", [], options, words=[path], threads=threads)
+    found = call("import_readings", [], options, words=[path], threads=threads, progress=progress)
     return ImportResult(found)
 
 
@@ -1439,6 +1573,7 @@ def figures(
     feed: float | None = None,
     distance_mm: float | None = None,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> FiguresResult:
     """Returns figures of the ISO 230 series from the readings of a test.
 
@@ -1458,7 +1593,7 @@ def figures(
         "feed": feed,
         "distance_mm": distance_mm,
     }
-    found = call("figures", [], options, words=[path], threads=threads)
+    found = call("figures", [], options, words=[path], threads=threads, progress=progress)
     return FiguresResult(found)
 
 
@@ -1472,6 +1607,7 @@ def testpiece(
     c_motion: ConeMotion | None = None,
     steps: int = 360,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> TestPieceResult:
     """Makes a test piece of a standard as a job.
 
@@ -1498,7 +1634,7 @@ def testpiece(
         "c_motion": c_motion,
         "steps": steps,
     }
-    found = call("testpiece", [], options, threads=threads)
+    found = call("testpiece", [], options, threads=threads, progress=progress)
     return TestPieceResult(found)
 
 
@@ -1511,6 +1647,7 @@ def record(
     seed: int = 1,
     sign: Text | None = None,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> RecordResult:
     """Makes the record of a calibration from its description.
 
@@ -1529,7 +1666,7 @@ def record(
         "seed": seed,
         "sign": sign,
     }
-    found = call("record", [], options, words=[description], threads=threads)
+    found = call("record", [], options, words=[description], threads=threads, progress=progress)
     return RecordResult(found)
 
 
@@ -1541,6 +1678,7 @@ def record_trend(
     seed: int = 1,
     sign: Text | None = None,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> TrendResult:
     """Puts records of one machine in a line: every error over the dates.
 
@@ -1559,5 +1697,5 @@ def record_trend(
         "seed": seed,
         "sign": sign,
     }
-    found = call("record_trend", [], options, words=[*folders], threads=threads)
+    found = call("record_trend", [], options, words=[*folders], threads=threads, progress=progress)
     return TrendResult(found)

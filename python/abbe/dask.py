@@ -32,15 +32,20 @@ from dask.delayed import Delayed, delayed
 from dask.highlevelgraph import HighLevelGraph
 from numpy.typing import ArrayLike, NDArray
 
-from ._calls import Text, task_threads
+from ._calls import task_threads
 from ._diagnostics import DiagnosticError
 from ._machine import Approach, Frame, Machine
 from ._results import BudgetResult, EnumerateResult, IdentifyResult
 from ._spaces import Grid, Interval, Sample, Space, refuse_missing
+from ._types import Text
 
 if TYPE_CHECKING:
     import xarray
+    from typing_extensions import Unpack
 
+    from ._verbs import BudgetOptions, EnumerateOptions, IdentifyOptions
+
+#: :func:`enumerate` is not among them: a star import would hide Python's own.
 __all__ = [
     "Grid",
     "GridDeviations",
@@ -50,7 +55,6 @@ __all__ = [
     "Table",
     "budget",
     "deviations",
-    "enumerate",
     "evaluate",
     "identify_files",
     "identify_noise",
@@ -413,7 +417,7 @@ def _fitted(fit: Callable[[], IdentifyResult], of: Mapping[str, Any]) -> list[di
 
 
 def identify_files(
-    machine: Machine, files: Sequence[Text | Sequence[Text]], *, threads: int = 1, **options: Any
+    machine: Machine, files: Sequence[Text | Sequence[Text]], *, threads: int = 1, **options: Unpack[IdentifyOptions]
 ) -> Table:
     """Fits errors to each of many files of measurements; a list of files among them is one set of data.
 
@@ -443,7 +447,7 @@ def identify_noise(
     seed: int = 1,
     batch: int = 16,
     threads: int = 1,
-    **options: Any,
+    **options: Unpack[IdentifyOptions],
 ) -> Table:
     """Monte Carlo of an identification: fits errors to the same readings with noise drawn anew.
 
@@ -490,7 +494,7 @@ def _files(states: Sequence[str]) -> Iterator[list[str]]:
         yield [str(path) for path in paths]
 
 
-def budget(machine: Machine, *, shards: int = 16, threads: int = 1, **options: Any) -> Delayed:
+def budget(machine: Machine, *, shards: int = 16, threads: int = 1, **options: Unpack[BudgetOptions]) -> Delayed:
     """Budgets as :meth:`abbe.Machine.budget` does, the machines drawn in so many tasks; ``compute()`` returns it.
 
     The result is that of one process to the last bit, for any number of shards. Options are those of the method.
@@ -513,7 +517,7 @@ def _budget_merged(sent: _Sent, states: Sequence[str], options: Mapping[str, Any
         return sent.machine().budget(merge=paths, **options, threads=threads)
 
 
-def enumerate(machine: Machine, *, shards: int = 16, threads: int = 1, **options: Any) -> Delayed:
+def enumerate(machine: Machine, *, shards: int = 16, threads: int = 1, **options: Unpack[EnumerateOptions]) -> Delayed:
     """Ranks arrangements as :meth:`abbe.Machine.enumerate` does, every round in tasks; ``compute()`` returns it.
 
     The result is that of one process to the last bit, for any number of shards. Options are those of the method.

@@ -10,15 +10,20 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._calls import Text
 from ._diagnostics import DiagnosticError
 from ._machine import Machine
 from ._spaces import Changes, Grid, Interval, Parameter, Parameters, Sample, Space, changes_of, refuse_missing
+from ._types import Text
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._verbs import BudgetOptions, ReachOptions
 
 __all__ = [
     "Design",
@@ -40,17 +45,17 @@ __all__ = [
 _REFUSED = 1e9
 
 
-def p95_um(machine: Machine, **options: Any) -> float:
+def p95_um(machine: Machine, *, threads: int | None = None, **options: Unpack[BudgetOptions]) -> float:
     """Returns the 95 % value of the position error of machines drawn between the tolerances, um.
 
     The options are those of :meth:`abbe.Machine.budget`.
     """
-    return float(machine.budget(**options).to_dict()["position_um"]["monte_carlo"]["p95"])
+    return float(machine.budget(**options, threads=threads).to_dict()["position_um"]["monte_carlo"]["p95"])
 
 
-def reach_share(machine: Machine, **options: Any) -> float:
+def reach_share(machine: Machine, *, threads: int | None = None, **options: Unpack[ReachOptions]) -> float:
     """Returns the share of tips and directions that the machine reaches, 0 to 1; options of ``Machine.reach``."""
-    return float(machine.reach(**options).to_dict()["share"])
+    return machine.reach(**options, threads=threads).share
 
 
 @dataclass(frozen=True)

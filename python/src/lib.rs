@@ -10,6 +10,7 @@ mod interrupt;
 mod machine;
 mod outcome;
 mod pools;
+mod pose_arrays;
 mod readings;
 mod request;
 mod verbs;
@@ -20,6 +21,7 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("CLASS_NAMES", abbe::CLASS_NAMES.to_vec())?;
     module.add_class::<machine::NativeMachine>()?;
     module.add_class::<outcome::NativeOutcome>()?;
     module.add_function(wrap_pyfunction!(machine::load, module)?)?;
@@ -29,5 +31,10 @@ fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(verbs::answers, module)?)?;
     module.add_function(wrap_pyfunction!(machine::length_mm, module)?)?;
     module.add_function(wrap_pyfunction!(readings::csv, module)?)?;
+    module.add_function(wrap_pyfunction!(pose_arrays::nominal, module)?)?;
+    module.add_function(wrap_pyfunction!(pose_arrays::jacobian, module)?)?;
+    module.add_function(wrap_pyfunction!(pose_arrays::uncertainty, module)?)?;
+    module.add_function(wrap_pyfunction!(pose_arrays::drawn, module)?)?;
+    module.add_function(wrap_pyfunction!(pose_arrays::curve, module)?)?;
     Ok(())
 }

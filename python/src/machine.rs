@@ -46,7 +46,7 @@ pub fn load(
     tool: Option<String>,
 ) -> PyResult<NativeMachine> {
     let named = path.clone();
-    let (answer, texts) = run_owned(py, 1, move |monitor| {
+    let (answer, texts) = run_owned(py, 1, None, move |monitor| {
         let files = TextsAndDisk::with(texts);
         let answer = abbe::load(named, &LoadOptions { tool }, files.run(monitor));
         (answer, files.into_read())
@@ -173,7 +173,7 @@ impl NativeMachine {
 }
 
 /// Reads an option that is one word.
-fn word<T: serde::de::DeserializeOwned>(option: &str, word: &str) -> Result<T, Diagnostic> {
+pub fn word<T: serde::de::DeserializeOwned>(option: &str, word: &str) -> Result<T, Diagnostic> {
     let deserializer: StrDeserializer<'_, Unknown> = word.into_deserializer();
     T::deserialize(deserializer)
         .map_err(|why| Diagnostic::new(codes::E0818, format!("option `{option}`: `{}`: {why}", shown(word))))

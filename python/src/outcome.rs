@@ -16,6 +16,11 @@ impl NativeOutcome {
         self.0.document.to_string()
     }
 
+    /// The first lines of the result as text; empty where nothing decides.
+    fn headline(&self) -> &str {
+        self.0.headline.trim_end()
+    }
+
     /// The warnings of the call, as a JSON list of diagnostics.
     fn warnings(&self) -> String {
         list(&self.0.warnings)

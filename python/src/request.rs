@@ -129,6 +129,7 @@ impl Files for TextsAndDisk {
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
-        Disk.entries(folder)
+        let known = self.texts.entries(folder);
+        if known.is_empty() { Disk.entries(folder) } else { known }
     }
 }

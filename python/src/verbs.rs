@@ -10,9 +10,10 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
 /// Runs a verb. `options` is a JSON object, `words` are paths or names, `texts` are files by name that come before
-/// those of the disk, `rows` asks for every pose as an array, `threads` is 0 for the default.
+/// those of the disk, `rows` asks for every pose as an array, `threads` is 0 for the default,
+/// `progress` is called with phase, steps done, and their number, which is 0 where nobody knows it.
 #[pyfunction]
-#[pyo3(signature = (verb, machines, words, options, texts, rows, threads))]
+#[pyo3(signature = (verb, machines, words, options, texts, rows, threads, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "one call for all verbs")]
 pub fn run(
     py: Python<'_>,
@@ -23,11 +24,12 @@ pub fn run(
     texts: Vec<(String, String)>,
     rows: bool,
     threads: usize,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<NativeOutcome> {
     let machines = machines.iter().map(|machine| machine.loaded.clone()).collect();
     let request = Request { machines, words, options, texts, rows };
     let known = Verb::find(&verb).ok_or_else(|| PyKeyError::new_err(verb))?;
-    let found = run_owned(py, threads, move |monitor| {
+    let found = run_owned(py, threads, progress, move |monitor| {
         let files = TextsAndDisk::of(&request);
         request.ask(known, files.run(monitor))
     })?;

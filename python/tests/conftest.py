@@ -32,6 +32,11 @@ def program() -> Program:
         assert done.stdout, done.stderr
         return json.loads(done.stdout)
 
+    def text(*arguments: object) -> str:
+        command = [path, *(str(argument) for argument in arguments)]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    run.text = text  # type: ignore[attr-defined]
     return run
 
 

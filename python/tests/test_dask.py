@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import json
 import os
 import shutil
@@ -324,6 +325,10 @@ def test_scheduler_and_workers_started_by_hand(tmp_path: Path) -> None:
             process.terminate()
         for process in started:
             process.wait(30)
+
+
+def test_a_star_import_hides_nothing() -> None:
+    assert not set(dir(builtins)) & set(abbe.dask.__all__)
 
 
 def test_the_package_does_not_import_dask() -> None:

@@ -144,6 +144,18 @@ def test_what_does_not_fit_is_refused() -> None:
         with pytest.raises(abbe.DiagnosticError) as refused:
             machine.deviations(poses)
         assert refused.value.code == code
+    rows = poses_of(machine, 50, 3)
+    rows[31, 1] = np.nan
+    with pytest.raises(abbe.DiagnosticError, match="row 31 of the poses: A = nan"):
+        machine.deviations(rows)
+    rows[31, 1], rows[12, 3] = 0, 1e4
+    for form in (rows, dict(zip(machine.axis_names, rows.T, strict=True))):
+        with pytest.raises(abbe.DiagnosticError, match="row 12 of the poses: X = 10000"):
+            machine.deviations(form)
+    with pytest.raises(ValueError, match="masked"):
+        machine.deviations(np.ma.masked_greater(rows, 100))
+    with pytest.raises(ValueError, match="complex"):
+        machine.deviations(rows * 1j)
     with pytest.raises(abbe.DiagnosticError, match="option `order`: `7`"):
         machine.deviations(np.zeros((1, 5)), order=7)
 

@@ -55,7 +55,7 @@ def test_refusals_pickle() -> None:
 def test_options_are_refused_with_their_name() -> None:
     machine = abbe.loads(abbe.starter())
     with pytest.raises(abbe.DiagnosticError, match="option `poses`: unknown value `randm`, expected") as refused:
-        machine.map(poses={"randm": 5})
+        machine.map(poses={"randm": 5})  # type: ignore[arg-type]
     assert refused.value.code == "E0818" and "help(abbe.Machine)" in (refused.value.diagnostics[0].help or "")
     with pytest.raises(abbe.DiagnosticError, match=r"option `samples`: .*, expected a whole number"):
         machine.map(samples="many")  # type: ignore[arg-type]
@@ -66,6 +66,8 @@ def test_options_are_refused_with_their_name() -> None:
     for length in ("30", "30 lbs"):
         with pytest.raises(abbe.DiagnosticError, match="such as `30 um`"):
             machine.goal(length)
+    with pytest.raises(TypeError, match="with its unit"):
+        machine.goal(30)  # type: ignore[arg-type]
     with pytest.raises(abbe.DiagnosticError, match="there are 2000000000 poses; a map takes 1000000000"):
         machine.map(poses={"random": 2_000_000_000})
     with pytest.raises(TypeError):
@@ -73,6 +75,10 @@ def test_options_are_refused_with_their_name() -> None:
     with pytest.raises(abbe.DiagnosticError) as missing:
         abbe.load("nowhere.yaml")
     assert "nowhere.yaml" in str(missing.value)
+    with pytest.raises(FileNotFoundError):
+        machine.map(poses={"tool_poses": "nowhere.csv"})
+    assert pickle.loads(pickle.dumps(missing.value)).code == missing.value.code
+    assert missing.value._render_traceback_() == [f"MissingFileError: {missing.value}"]
 
 
 def test_warnings_name_the_caller() -> None:

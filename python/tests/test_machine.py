@@ -17,6 +17,7 @@ import pytest
 from conftest import CONFIGS
 
 import abbe
+from abbe._verbs import RandomChoice
 
 TRUNNION = CONFIGS / "trunnion.yaml"
 POSE = {"X": 100, "Y": 50, "Z": -30, "A": -20, "C": 70}
@@ -93,6 +94,14 @@ def test_pickles_hold_every_file(tmp_path: Path) -> None:
     assert pickle.loads(pickle.dumps(changed)).errors["EC0Y"].value == variant.errors["EC0Y"].value
 
 
+def test_machines_are_equal_by_what_they_are() -> None:
+    machine = abbe.load(TRUNNION)
+    variant = machine.with_({"errors.EC0Y": "50 urad"})
+    assert machine == abbe.load(TRUNNION) == pickle.loads(pickle.dumps(machine)) != variant
+    assert variant == machine.with_({"errors.EC0Y": "50 urad"}) != machine.with_({"errors.EC0Y": "51 urad"})
+    assert len({machine, abbe.load(TRUNNION), variant}) == 2
+
+
 def test_tools() -> None:
     text = (
         GANTRY + "tools: { short: { gauge: [0, 0, 0], length: 80 mm }, long: { gauge: [0, 0, 0], length: 200 mm } }\n"
@@ -135,6 +144,15 @@ def test_python_runs_meanwhile() -> None:
     thread.join()
     # A call that holds the interpreter's lock lets this thread count to one or two.
     assert count > 10
+
+
+def test_progress_is_heard() -> None:
+    machine, heard = abbe.load(TRUNNION), list[tuple[str, int, int]]()
+    found = machine.map(poses={"random": 200_000}, progress=lambda *steps: heard.append(steps))
+    assert found == machine.map(poses={"random": 200_000})
+    assert heard[-1] == ("poses", 200_000, 200_000) and [of[1] for of in heard] == sorted(of[1] for of in heard)
+    with pytest.raises(ZeroDivisionError):
+        machine.map(poses={"random": 900_000_000}, progress=lambda phase, done, total: 1 // 0)
 
 
 def test_columns_are_not_copied() -> None:
@@ -259,7 +277,7 @@ def test_interrupts(job: str) -> None:
 
 def test_a_reference_is_a_text_as_on_the_command_line_or_a_mapping() -> None:
     machine = abbe.load(TRUNNION)
-    poses = {"random": 30}
+    poses: RandomChoice = {"random": 30}
     fitted = machine.map(poses=poses, reference="best-fit:minimum-zone")
     other = machine.map(poses=poses, reference={"kind": "best-fit", "minimum_zone": True})
     assert fitted.position_um.max == other.position_um.max and fitted.over.reference == "best-fit"

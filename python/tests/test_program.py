@@ -12,6 +12,7 @@ import pytest
 from conftest import CONFIGS, REPOSITORY
 
 import abbe
+from abbe._verbs import TargetName
 
 TRUNNION = CONFIGS / "trunnion.yaml"
 VMC = CONFIGS / "vmc-cframe-754.yaml"
@@ -134,6 +135,10 @@ def test_compile_and_verify(program: Any, tmp_path: Path) -> None:
     }
     verified = machine(VMC).verify(own, poses=300)
     assert verified.to_dict() == program("verify", VMC, own, "--poses", 300)
+    compiled = machine(VMC).compile("grid-csv", poses=300)
+    assert machine(VMC).verify(compiled, poses=300) == machine(VMC).verify(compiled.contents, poses=300) == compiled
+    with pytest.raises(abbe.DiagnosticError):
+        machine(VMC).verify({"abbe.lock.json": b"{}"})
     difference = machine(VMC).diff_sets(own, by_program, poses=300)
     assert difference.to_dict() == program("diff", VMC, own, by_program, "--poses", 300)
     with pytest.raises(FileExistsError):
@@ -273,7 +278,7 @@ def test_report(program: Any, tmp_path: Path) -> None:
 
 
 def test_compile_for_two_targets(program: Any, tmp_path: Path) -> None:
-    targets = ["sinumerik-traori", "sinumerik-cec"]
+    targets: list[TargetName] = ["sinumerik-traori", "sinumerik-cec"]
     by_program, own = tmp_path / "program", tmp_path / "own"
     asked = [word for target in targets for word in ("--target", target)]
     expected = program("compile", TRUNNION, *asked, "--accept-unverified", "--out", by_program, "--poses", 100)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import pickle
 from pathlib import Path
@@ -112,19 +113,70 @@ def test_pictures() -> None:
     assert set(budget.pictures) == {"pareto.svg", "waterfall.svg"}
     found = machine.map(poses={"random": 20})
     for shown in (machine, found, budget, machine.instrument("ball_bar", points=20), machine.reach(directions=4)):
-        svg, page = shown._repr_svg_(), shown._repr_html_()
-        assert svg is not None and page is not None
-        assert ElementTree.fromstring(svg).tag.endswith("svg")
-        assert "<table>" in page and "<svg" in page and "<?xml" not in page
+        page = shown._repr_html_()
+        # One picture: a saved notebook holds whatever stands here.
+        assert "<table>" in page and page.count("<svg") == 1 and "<?xml" not in page
+        assert not hasattr(shown, "_repr_svg_")
+        assert ElementTree.fromstring(page[page.index("<svg") :]).tag.endswith("svg")
     assert machine.curves_svg is not None
     columns, fit = readings(abbe.load(VMC))
     fitted = abbe.load(VMC).identify(columns, fit=fit)
     assert not fitted.pictures
-    page = fitted._repr_html_() or ""
+    page = fitted._repr_html_()
     assert "<svg" in page and all(f"<td>{name}</td>" in page for name in fit)
     assert fitted.pictures and pickle.loads(pickle.dumps(fitted)).pictures == fitted.pictures
     # A robot has no plane of two linear axes.
-    assert abbe.load(CONFIGS / "robots" / "ur5.yaml").map(poses={"random": 20})._repr_svg_() is None
+    assert abbe.load(CONFIGS / "robots" / "ur5.yaml").map(poses={"random": 20})._picture() is None
+
+
+def first_lines(program: Any, *arguments: object) -> str:
+    """Returns the text of the program without its folds."""
+    return " ".join(program.text(*arguments).split())
+
+
+def test_the_key_number_comes_first(program: Any) -> None:
+    machine, study = abbe.load(TRUNNION), abbe.load(REPOSITORY / "docs" / "examples" / "study.yaml")
+    short = abbe.loads("abbe: 1\nmachine: G\nchain: w b X t\naxes: { X: { travel: [0, 9] } }")
+    columns, fit = readings(abbe.load(VMC))
+    shown: list[abbe.Result] = [
+        machine.map(poses={"random": 50}),
+        study.budget(poses=20, samples=50, class_="production"),
+        machine.compare(machine, poses=20),
+        abbe.load(CONFIGS / "hmc-4ax.yaml").enumerate(poses=20, samples=20, class_="production"),
+        machine.compile("grid-csv", poses=50),
+        abbe.load(VMC).plan(poses=4, fit=["EC0Y"]),
+        machine.eval(at=["X=100"]),
+        machine.diff(machine.with_({"errors.EC0Y": "50 urad"})),
+        machine.equations(order=1),
+        abbe.load(VMC).identify(columns, fit=fit),
+        machine.reach(directions=4),
+    ]
+    for found in shown:
+        first = found.headline.splitlines()[0]
+        assert any(letter.isdigit() for letter in first) and first in repr(found), repr(found)
+        assert html.escape(first) in found._repr_html_()
+        assert pickle.loads(pickle.dumps(found)).headline == found.headline
+    assert shown[0].headline in first_lines(program, "map", TRUNNION, "--random", 50)
+    assert "EC0Y  " in repr(shown[9]) and "95 %" in shown[0].headline and "W0" in repr(short.eval(at=["X=20"]))
+
+
+def test_results_do_not_change() -> None:
+    machine = abbe.load(TRUNNION)
+    found = machine.map(poses={"random": 20}, rows=True)
+    before = found.to_dict()
+    found.to_dict()["position_um"]["p95"] = 0.0
+    found.to_dict()["worst"].clear()
+    found.records()[0].clear()
+    assert found.to_dict() == before and found == machine.map(poses={"random": 20}) == before
+    for of, name in ((found, "poses"), (found.position_um, "p95"), (machine, "name")):
+        with pytest.raises(AttributeError, match="not change"):
+            setattr(of, name, 3)
+    with pytest.raises(ValueError, match="read-only"):
+        found.rows["dx [um]"][0] = 3
+    with pytest.raises(ValueError, match="read-only"):
+        machine.grid["X"][:] += 100
+    with pytest.raises(TypeError):
+        machine.errors["EC0Y"] = machine.errors["EC0Y"]  # type: ignore[index]
 
 
 def test_records() -> None:

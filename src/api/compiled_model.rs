@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{self, Batch, Columns, Frame, Order, Output, frame_rotation};
 use crate::job::machine_file::MachineFile;
 use crate::job::poses::known;
-use crate::machine::Approach;
+use crate::machine::{Approach, Machine};
 
 /// A machine compiled for an order and a side of approach. Deviations are actual minus nominal, in the workpiece frame.
 ///
@@ -47,9 +47,14 @@ pub struct DeviationSlices<'a> {
     pub rotation_rad: [&'a mut [f64]; 3],
 }
 
+/// Compiles a machine that no file states.
+pub(super) fn compile_model_of(machine: &Machine, order: Order, approach: Approach) -> CompiledModel {
+    CompiledModel(evaluate::CompiledModel::new(machine, order, approach))
+}
+
 /// Compiles a machine. The model owns its data: it does not borrow the machine.
 pub fn compile_model(file: &MachineFile, order: Order, approach: Approach) -> CompiledModel {
-    CompiledModel(evaluate::CompiledModel::new(file, order, approach))
+    compile_model_of(file, order, approach)
 }
 
 impl CompiledModel {

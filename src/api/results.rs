@@ -31,8 +31,8 @@ pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
     BentError, ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual,
     KnownValue, LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
-    OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualGroup, ResidualTest, Rms,
-    RmsBeforeAfter, ScatterOfKind, SharedUncertainty, SuspectReadings,
+    OutlierPlace, PlannedPose, PredictedUncertainty, ReadingResidual, RepeatedReadings, ResidualGroup, ResidualTest,
+    Rms, RmsBeforeAfter, ScatterOfKind, SharedUncertainty, SuspectReadings,
 };
 pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};

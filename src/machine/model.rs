@@ -316,7 +316,7 @@ impl Machine {
     }
 
     /// Names of the axes and the spindle, in the order of the errors.
-    fn joint_names(&self) -> impl Iterator<Item = &AxisName> {
+    pub fn joint_names(&self) -> impl Iterator<Item = &AxisName> {
         self.parts.axes.iter().map(|a| &a.name).chain(self.parts.chain.spindle())
     }
 
@@ -327,6 +327,18 @@ impl Machine {
                 .iter()
                 .map(move |(family, direction, term)| (ErrorId { axis: axis.clone(), family, direction }, term))
         })
+    }
+
+    /// Returns the machine with constants (mm, rad) in place of these location errors.
+    pub fn with_location_values<'a>(&self, values: impl IntoIterator<Item = (&'a ErrorId, f64)>) -> Self {
+        let mut parts = self.parts.clone();
+        for (error, value) in values {
+            let joint = self.joint_names().position(|name| *name == error.axis);
+            if let Some(errors) = joint.and_then(|joint| parts.errors.get_mut(joint)) {
+                errors.location[error.direction.index()] = Some(ErrorTerm::Constant(value));
+            }
+        }
+        self.with_parts(parts)
     }
 
     /// The same machine with only the errors (no set-up errors, no bounds but by letter) that `keep` accepts.

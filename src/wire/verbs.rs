@@ -3,6 +3,7 @@
 //! Whoever speaks JSON takes "verb plus options gives a document" from [`VERBS`]; so do the schemas of options and
 //! results. A document is what the program prints with `--format json`.
 
+use super::headline;
 use super::report::report;
 use super::report_options::ReportOptions;
 use crate::api::map_tables::MapTable;
@@ -52,11 +53,14 @@ pub struct VerbRequest<'a> {
 }
 
 /// What a verb gives.
+#[derive(Default)]
 pub struct VerbAnswer {
     /// The document, without the warnings.
     pub document: Value,
     /// The warnings of the call.
     pub warnings: Diagnostics,
+    /// The first lines of the result as text; empty where nothing decides.
+    pub headline: String,
     /// Texts by name: pictures, machine files, tables.
     pub texts: Vec<(String, String)>,
     /// Files by name.
@@ -90,10 +94,10 @@ pub struct Verb {
 /// All verbs.
 pub static VERBS: [Verb; 34] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
-        Ok(answer(eval(request.machine()?, &request.options()?, run)?).0)
+        Ok(headed(eval(request.machine()?, &request.options()?, run)?, headline::eval).0)
     }),
     of::<EquationsOptions, EquationsResult>("equations", &["equations.txt", "equations.tex"], |request, run| {
-        let (answer, result) = answer(equations(request.machine()?, &request.options()?, run)?);
+        let (answer, result) = headed(equations(request.machine()?, &request.options()?, run)?, headline::equations);
         Ok(answer.text("equations.txt", result.text()).text("equations.tex", result.latex()))
     }),
     of::<ConvertOptions, ConvertResult>("convert", &["machine.yaml"], |request, run| {
@@ -102,7 +106,7 @@ pub static VERBS: [Verb; 34] = [
     }),
     of::<MapOptions, MapResult>("map", &["map.svg", "grid"], run_map),
     of::<ReachOptions, ReachResult>("reach", &["reach.svg"], |request, run| {
-        let (answer, result) = answer(reach(request.machine()?, &request.options()?, run)?);
+        let (answer, result) = headed(reach(request.machine()?, &request.options()?, run)?, headline::reach);
         Ok(answer.text("reach.svg", result.picture().svg()))
     }),
     of::<PlacementOptions, PlacementResult>("place", &["place.svg"], |request, run| {
@@ -110,7 +114,7 @@ pub static VERBS: [Verb; 34] = [
         Ok(answer.text("place.svg", result.picture().svg()))
     }),
     of::<CompareOptions, CompareResult>("compare", &[], |request, run| {
-        Ok(answer(compare(&request.machine_files(), &request.options()?, run)?).0)
+        Ok(headed(compare(&request.machine_files(), &request.options()?, run)?, headline::compare).0)
     }),
     of::<BudgetOptions, BudgetResult>("budget", &["pareto.svg", "waterfall.svg", STATE], run_budget),
     of::<EnumerateOptions, RankedArrangements>("enumerate", &[STATE], run_enumerate),
@@ -118,12 +122,16 @@ pub static VERBS: [Verb; 34] = [
         let (answer, result) = answer(instrument(request.machine()?, &request.options()?, run)?);
         Ok(answer.text("readings.svg", result.picture().svg()))
     }),
-    of::<IdentifyOptions, IdentifyResult>("identify", &["machine.yaml"], run_identify),
+    of::<IdentifyOptions, IdentifyResult>(
+        "identify",
+        &["machine.yaml", "covariance.json", "residuals.json"],
+        run_identify,
+    ),
     of::<IdentifyOptions, MonomialFit>("fit_monomials", &[], |request, run| {
         Ok(answer(fit_monomials(request.machine()?, &request.with_texts()?, run)?).0)
     }),
     of::<PlanOptions, MeasurementPlan>("plan", &["plan.csv"], |request, run| {
-        let (answer, plan) = answer(plan_measurements(request.machine()?, &request.options()?, run)?);
+        let (answer, plan) = headed(plan_measurements(request.machine()?, &request.options()?, run)?, headline::plan);
         Ok(answer.text("plan.csv", plan.csv))
     }),
     of::<ImportOptions, ImportResult>("import_readings", &["table.csv"], |request, run| {
@@ -164,14 +172,16 @@ pub static VERBS: [Verb; 34] = [
     }),
     of::<CompileOptions, CompiledSet>("compile", &[], run_compile),
     of::<VerifyOptions, CertificateReport>("verify", &[], |request, run| {
-        Ok(answer(verify(request.machine()?, request.path(0)?, &request.options()?, run)?).0)
+        let found = verify(request.machine()?, request.path(0)?, &request.options()?, run)?;
+        Ok(headed(found, headline::certificate).0)
     }),
     of::<DiffOptions, SetDifference>("diff_sets", &[], |request, run| {
         let folders = (request.path(0)?, request.path(1)?);
-        Ok(answer(diff(request.machine()?, folders.0, folders.1, &request.options()?, run)?).0)
+        let found = diff(request.machine()?, folders.0, folders.1, &request.options()?, run)?;
+        Ok(headed(found, headline::diff_sets).0)
     }),
     of::<DiffMachinesOptions, MachineDifference>("diff", &[], |request, run| {
-        Ok(answer(diff_machines(&request.machine_files(), &request.options()?, run)?).0)
+        Ok(headed(diff_machines(&request.machine_files(), &request.options()?, run)?, headline::diff).0)
     }),
     of::<ReportOptions, PageSize>("report", &["report.html"], run_report),
     plain("show", Some(SchemaGenerator::subschema_for::<ChainResult>), |request, _| {
@@ -290,8 +300,7 @@ impl VerbRequest<'_> {
 impl VerbAnswer {
     /// Returns the answer of a call that warns of nothing.
     fn of(document: Value) -> Self {
-        let (texts, files, rows) = (Vec::new(), Vec::new(), None);
-        Self { document, warnings: Diagnostics::default(), texts, files, rows }
+        Self { document, ..Self::default() }
     }
 
     fn text(mut self, name: &str, text: impl Into<String>) -> Self {
@@ -304,6 +313,12 @@ impl VerbAnswer {
 fn answer<T: Serialize>(answer: Answer<T>) -> (VerbAnswer, T) {
     let Answer { value, warnings } = answer;
     (VerbAnswer { warnings, ..VerbAnswer::of(json!(value)) }, value)
+}
+
+/// Returns the same with the first lines of the result.
+fn headed<T: Serialize>(found: Answer<T>, headline: impl Fn(&T) -> String) -> (VerbAnswer, T) {
+    let (found, value) = answer(found);
+    (VerbAnswer { headline: headline(&value), ..found }, value)
 }
 
 /// Rows of the pictures of a budget: as many as the program draws.
@@ -324,7 +339,7 @@ fn run_map(request: &VerbRequest<'_>, run: Run) -> Found {
     if request.rows {
         tables.push(MapTable { name: "the array".to_owned(), form: RowFormat::Npy, sink: Box::new(&mut rows) });
     }
-    let (answer, result) = answer(map_tables(request.machine()?, &request.options()?, tables, run)?);
+    let (answer, result) = headed(map_tables(request.machine()?, &request.options()?, tables, run)?, headline::map);
     let mut answer = VerbAnswer { rows: request.rows.then(|| rows.into_inner()), ..answer };
     answer.texts.extend(result.picture.map(|picture| ("map.svg".to_owned(), picture.svg())));
     answer.texts.extend(result.grid.map(|counts| ("grid".to_owned(), json!(counts).to_string())));
@@ -338,7 +353,7 @@ fn run_budget(request: &VerbRequest<'_>, run: Run) -> Found {
         let progress = json!({"samples": part.samples, "drawn": part.count()});
         return Ok(answer(Answer { value: progress, warnings }).0.text(STATE, part.to_text()));
     }
-    let (answer, result) = answer(budget(request.machine()?, &options, run)?);
+    let (answer, result) = headed(budget(request.machine()?, &options, run)?, headline::budget);
     Ok(answer.text("pareto.svg", result.pareto(TOP).svg()).text("waterfall.svg", result.waterfall(TOP).svg()))
 }
 
@@ -356,12 +371,15 @@ impl StudyFile for State {
 
 fn run_enumerate(request: &VerbRequest<'_>, run: Run) -> Found {
     let state = State(Mutex::default());
-    let (answer, _) = answer(enumerate(request.machine()?, &request.options()?, Some(&state), run)?);
+    let found = enumerate(request.machine()?, &request.options()?, Some(&state), run)?;
+    let (answer, _) = headed(found, headline::study);
     Ok(answer.text(STATE, state.0.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 fn run_identify(request: &VerbRequest<'_>, run: Run) -> Found {
-    let (mut answer, result) = answer(identify(request.machine()?, &request.with_texts()?, run)?);
+    let (mut answer, result) = headed(identify(request.machine()?, &request.with_texts()?, run)?, headline::identify);
+    answer.texts.push(("covariance.json".to_owned(), json!(result.covariance).to_string()));
+    answer.texts.push(("residuals.json".to_owned(), json!(result.reading_residuals).to_string()));
     answer.texts.extend(result.machine_file.map(|text| ("machine.yaml".to_owned(), text)));
     answer.texts.extend(result.pictures.into_iter().map(|picture| (picture.name, picture.svg)));
     Ok(answer)
@@ -371,7 +389,8 @@ fn run_identify(request: &VerbRequest<'_>, run: Run) -> Found {
 fn run_compile(request: &VerbRequest<'_>, run: Run) -> Found {
     let options: CompileOptions = request.options()?;
     if request.words.len() > 1 {
-        let (answer, set) = answer(compile_composed(request.machine()?, request.words, &options, run)?);
+        let found = compile_composed(request.machine()?, request.words, &options, run)?;
+        let (answer, set) = headed(found, |set| headline::certificate(&set.certificate));
         let below = |part: ComposedPart| {
             let name = move |name: &str| format!("{}/{name}", part.folder);
             let lock = (name(LOCK_NAME), part.lock.to_text().into_bytes());
@@ -381,7 +400,8 @@ fn run_compile(request: &VerbRequest<'_>, run: Run) -> Found {
         let files = set.parts.into_iter().flat_map(below).chain([lock]).collect();
         return Ok(VerbAnswer { files, ..answer });
     }
-    let (answer, set) = answer(compile(request.machine()?, &options, run)?);
+    let (answer, set) =
+        headed(compile(request.machine()?, &options, run)?, |set| headline::certificate(&set.certificate));
     let lock = (LOCK_NAME.to_owned(), set.lock.to_text().into_bytes());
     let files = set.files.into_iter().map(|file| (file.name, file.bytes)).chain([lock]).collect();
     Ok(VerbAnswer { files, ..answer })

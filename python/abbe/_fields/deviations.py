@@ -127,12 +127,12 @@ class PoseResult(Record):
     e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row; of the machine, whatever the reference."]
     beyond_measured: Annotated[Union[list[str], None], "Axes that the pose takes beyond the range in which their curves were measured."]
     uncertainty: Annotated[Union[PoseUncertainty, None], "Expanded uncertainty of the deviation, where the machine states that of its errors."]
-    sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
-    interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``EvalOptions::interactions``."]
-    order_1_neglects: Annotated[Union[Neglected, None], "Bound of the terms that order 1 neglects at this pose, with ``EvalOptions::interactions``."]
+    sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``sensitivity``."]
+    interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``interactions``."]
+    order_1_neglects: Annotated[Union[Neglected, None], "Bound of the terms that order 1 neglects at this pose, with ``interactions``."]
     coefficients: Annotated[Union[list[MonomialPart], None], "Parts of the monomials of an algebra, or of the powers of one generator with an order, lowest degree first; those that are 0 left out."]
     degrees: Annotated[Union[list[DegreePart], None], "Their sums by degree."]
-    inverse: Annotated[Union[Named[float], None], "Motions of the axes that undo the errors, mm and deg, with ``EvalOptions::inverse``."]
+    inverse: Annotated[Union[Named[float], None], "Motions of the axes that undo the errors, mm and deg, with ``inverse``."]
 
 
 class EvalFields(Record):
@@ -285,7 +285,7 @@ class BeyondMeasured(Record):
     """Poses of a map beyond the ranges in which curves were measured."""
 
     poses: Annotated[int, "Number of the poses, of those counted."]
-    of: Annotated[int, "Number of poses that were counted: those of the map, or of more than ``MapPoses::MAX_HELD`` some spread over them."]
+    of: Annotated[int, "Number of poses that were counted: those of the map, or of more than ``MAX_HELD`` some spread over them."]
     measured: Annotated[Named[list[float]], "The measured ranges that poses leave, by axis, mm and deg."]
 
 
@@ -450,7 +450,7 @@ class MapFields(Record):
     beyond_measured: Annotated[Union[BeyondMeasured, None], "The poses beyond the ranges in which the curves of the axes were measured."]
     worst: Annotated[list[WorstPose], "The worst poses, largest deviation of the functional point first."]
     diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume; none of a job."]
-    p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MapPoses::MAX_HELD`` poses."]
+    p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MAX_HELD`` poses."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file, with those that the machine reaches."]
     features: Annotated[Union[list[FeatureResult], None], "The features of the file, where it names some: the largest deviation on each."]
     characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances."]

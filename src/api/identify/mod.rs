@@ -12,7 +12,8 @@ pub use crate::identify::verdict::datum::FittedError;
 pub use crate::identify::verdict::fitted::FittedDatum;
 pub use crate::identify::verdict::result::{
     BentError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, NamedSvg, OrderShares,
-    OutlierPlace, PredictedUncertainty, RepeatedReadings, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
+    OutlierPlace, PredictedUncertainty, ReadingResidual, RepeatedReadings, RmsBeforeAfter, ScatterOfKind,
+    SharedUncertainty,
 };
 pub use crate::identify::{MonomialCoefficient, MonomialComponent, ResidualTest, Rms};
 pub use fit::{IdentifyOptions, identify};

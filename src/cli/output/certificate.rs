@@ -1,19 +1,16 @@
 //! A certificate as text and JSON.
 
+use super::bands;
 use super::session::Session;
 use super::view::table;
-use super::{answer, bands};
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateBands, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures,
-    JobCertificate, Machine, ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
+    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
+    ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
 };
-use abbe::text::{counted, ends, micro, significant};
+use abbe::text::{counted, micro, significant};
 use std::path::Path;
-
-/// Errors without an uncertainty that are named.
-const NAMED: usize = 4;
 
 /// A certificate with the folder of its files.
 pub(crate) struct CertificateView<'a> {
@@ -59,31 +56,9 @@ impl CertificateView<'_> {
 
     fn text(&self) -> String {
         let [figures, job, second] = [self.figures(), self.job(), self.second()];
-        let heading = self.answer() + &self.heading();
+        let heading = abbe::headlines::certificate(self.report) + &self.heading();
         let parts = [heading, second, figures, job, self.programming(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
-    }
-
-    /// Returns what a second measurement says of the files, and by how much they lower the deviation, over the job
-    /// first.
-    fn answer(&self) -> String {
-        let report = self.report;
-        let measured = report.second.as_ref().map_or_else(String::new, |of| {
-            format!("Measured with the set in force, less the set-up, RMS: {}.\n", of.words)
-        });
-        let raised = |words: Option<String>, over: &str| {
-            words.map_or_else(String::new, |words| format!("The files RAISE {words}, {over}.\n"))
-        };
-        let job = report.job.as_ref().map_or_else(String::new, |job| {
-            let over = answer::over(&job.over);
-            let ratio = ratio(&job.uncompensated.position_um, &job.compensated.position_um, None, &over);
-            raised(job.raised(), &over) + &ratio
-        });
-        let part = if report.beyond_measured.is_some() { "measured part of the " } else { "" };
-        let over = format!("over {} poses of the {part}volume", report.poses);
-        let left = report.uncertainty.as_ref();
-        let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
-        measured + &job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
     }
 
     fn heading(&self) -> String {
@@ -349,39 +324,6 @@ fn figures_table(before: &Figures, after: &Figures) -> comfy_table::Table {
 
 /// Below this (um) an error does nothing at the functional point.
 const NO_EFFECT: f64 = 0.05;
-/// Largest factor that is stated: what is left then is less than anybody knows of the errors.
-const MAX_FACTOR: f64 = 1000.0;
-
-/// Returns by what factor the deviation falls, and what is left within the uncertainty of the errors.
-fn ratio(before: &Summary, after: &Summary, left: Option<&CertificateBands>, over: &str) -> String {
-    let (before, after) = (before.p95, after.p95);
-    let [from, to] = [before, after].map(|um| significant(um, 4));
-    let deviation = "For the errors in the file the 95 % position deviation";
-    let falls = format!("{deviation} falls from {from} um");
-    let left = left.map_or_else(String::new, |of| {
-        let [low, high] = of.compensated.position_um.p95;
-        let [low, high] = ends(low, high);
-        let without = match &of.not_stated[..] {
-            [] => String::new(),
-            [few @ ..] if few.len() <= NAMED => format!(" (none is stated of {})", few.join(", ")),
-            many => format!(" (none is stated of {} and {} more)", many[..NAMED].join(", "), many.len() - NAMED),
-        };
-        format!("; within their uncertainty{without} {low} to {high} um are left")
-    });
-    if before < ROUNDING_UM {
-        format!("There is nothing to compensate, {over}.\n")
-    } else if after < ROUNDING_UM {
-        format!("{falls} to below a nanometre, {over}{left}.\n")
-    } else if before > MAX_FACTOR * after {
-        format!("{falls} to {to} um, by a factor of more than {MAX_FACTOR}, {over}{left}.\n")
-    } else if from == to {
-        format!("{deviation} stays at {from} um, {over}{left}.\n")
-    } else if after <= before {
-        format!("{falls} to {to} um, by a factor of {}, {over}{left}.\n", significant(before / after, 3))
-    } else {
-        String::new()
-    }
-}
 
 /// The tool in words: a table holds for its length.
 fn tool(machine: &Machine, target: &ControllerTarget) -> String {

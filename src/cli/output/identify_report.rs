@@ -1,6 +1,5 @@
 //! The result of `abbe identify` as text and CSV.
 
-use super::answer;
 use super::view::{keep_words, table};
 use abbe::results::{
     BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualGroup, ResidualTest,
@@ -42,7 +41,7 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
         let _ = rows.add_row([p.name.clone(), value, sigma, p.unit.clone()]);
     }
     keep_words(&mut rows);
-    let mut text = answer::identify(result);
+    let mut text = abbe::headlines::identify(result);
     text += &format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
     text += &groups(result);
@@ -76,7 +75,7 @@ fn fit(r: &IdentifyResult) -> String {
             "rank       {} from {}{}, {} well determined, condition {}, observability {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-            answer::rank(r.rank_first_order, r.rank, r.unknowns),
+            abbe::headlines::rank(r.rank_first_order, r.rank, r.unknowns),
             counted(r.rows, "reading"),
             and_known,
             r.well_determined,

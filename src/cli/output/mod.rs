@@ -1,6 +1,5 @@
 //! Output of the program: text, files and pictures, and the run with its diagnostics.
 
-pub(super) mod answer;
 pub(super) mod bands;
 pub(super) mod bounded;
 pub(super) mod budget_text;

@@ -1,7 +1,7 @@
 //! The result of `abbe identify --plan` as text.
 
-use super::answer::{self, rank};
 use super::view::table;
+use abbe::headlines::rank;
 use abbe::results::MeasurementPlan;
 use abbe::text::{counted, significant};
 
@@ -13,7 +13,7 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
     }
     let poses = plan.poses.len();
     let of_lines = if poses == plan.readings { String::new() } else { format!(" ({})", counted(poses, "pose")) };
-    let mut text = answer::plan(plan);
+    let mut text = abbe::headlines::plan(plan);
     text += &format!(
         "{} of {} readings to choose from{of_lines}, {} um each; `--format csv` writes a file of measurements to be \
          filled in\n{}\n{rows}\n",

@@ -1,6 +1,5 @@
 //! The result of `enumerate` as text and CSV.
 
-use super::answer;
 use super::budget_text::{coverage_line, values_text};
 use super::view::{hide, table};
 use abbe::options::{JudgedBy, Statistic};
@@ -58,7 +57,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     };
     let mut text = match of.ranked.is_empty() {
         true => format!("{}\n", most(of)),
-        false => answer::enumerate(of),
+        false => abbe::headlines::enumerate(of),
     };
     text += &format!(
         "{}: {} arrangements of its axes on {} {}\n",

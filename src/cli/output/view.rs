@@ -2,7 +2,7 @@
 
 use abbe::options::{Frame, Order};
 use abbe::results::{
-    LimitVerdict, MissedToolPose, NeededTravel, PathPole, PathResult, PathRewind, ReachedToolPoses, Statistics, Summary,
+    MissedToolPose, NeededTravel, PathPole, PathResult, PathRewind, ReachedToolPoses, Statistics, Summary,
 };
 use abbe::text::{UnknownOrder, fold, shown, significant};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,11 +34,6 @@ pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
         n => format!(", {n} more out of reach"),
     };
     format!("tool poses of {}{missed}", shown(&reached.file))
-}
-
-/// A figure against the limit of the job.
-pub(crate) fn limit_text(limit: Option<&LimitVerdict>) -> String {
-    limit.map_or_else(String::new, |limit| format!("Job: {}\n", limit.words()))
 }
 
 /// Number of rows out of reach that are listed one by one.

@@ -10,7 +10,7 @@ use crate::cli::output::budget_text::{
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{axes_text, path_text, reach_text, table, tool_poses_text};
-use crate::cli::output::{answer, characteristics, tolerance_goal};
+use crate::cli::output::{characteristics, tolerance_goal};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
@@ -168,7 +168,7 @@ impl BudgetText<'_> {
             Statistic::P95 => "95 % deviation over the poses",
         };
         let own = budget.tighten.iter().filter(|bound| !bound.of_class).count();
-        let mut text = answer::budget(self.result);
+        let mut text = abbe::headlines::budget(self.result);
         text += &format!("{}, {}\n{}", self.file.name(), self.file.chain(), self.result.over.text());
         text += &format!("{} errors bounded: {own} by the machine file", budget.tighten.len());
         if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {

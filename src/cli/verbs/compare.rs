@@ -11,10 +11,10 @@ use crate::cli::output::view::{
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::results::{
-    BoundedDeviation, CompareResult, ComparedBudget, ComparedMachine, Difference, MachineVerdict, OverKind, Statistics,
+    BoundedDeviation, CompareResult, ComparedBudget, ComparedMachine, Difference, OverKind, Statistics,
 };
 use abbe::text::{cell, fold, significant};
-use abbe::{CompareOptions, compare};
+use abbe::{CompareOptions, compare, headlines};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -156,7 +156,7 @@ fn sources(result: &CompareResult) -> String {
 }
 
 fn text(args: &Args, result: &CompareResult) -> String {
-    let mut text = verdicts(result) + &bounds_sources(result);
+    let mut text = headlines::compare(result).lines().map(fold).collect::<String>() + &bounds_sources(result);
     text += &format!(
         "{}{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.text(),
@@ -204,24 +204,6 @@ fn best_fit(result: &CompareResult) -> String {
         let _ = rows.add_row([(i + 1).to_string(), p95, max, budget]);
     }
     format!("{rows}\n")
-}
-
-/// The verdict on each machine, or the reason why there is none.
-fn verdicts(result: &CompareResult) -> String {
-    let over = format!(", over {} of {} tool poses", result.poses, result.asked);
-    let of = |verdict: &MachineVerdict| {
-        let (machine, by) = (verdict.machine, verdict.by.as_ref().map_or_else(String::new, |by| by.words()));
-        fold(&match (&verdict.verdict, &verdict.reason) {
-            (Some(known), _) => format!("Machine {machine} against 1: {}; {by}{over}.", known.words()),
-            (None, reason) => {
-                let reason = reason.as_deref().unwrap_or_default();
-                format!("Machine {machine} against 1: no verdict: {reason}{over}.")
-            }
-        })
-    };
-    let limit = |(i, side): (usize, &ComparedMachine)| Some(format!("Machine {i}: {}\n", side.limit.as_ref()?.words()));
-    let limits: String = (1..).zip(&result.machines).filter_map(limit).collect();
-    limits + &result.verdicts.iter().map(of).collect::<String>()
 }
 
 /// Where the bounds of each machine come from.

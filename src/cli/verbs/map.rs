@@ -9,7 +9,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::{
     STATISTICS, axes_text, frame_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
-use crate::cli::output::{answer, bands, bounded, characteristics, placement};
+use crate::cli::output::{bands, bounded, characteristics, placement};
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
@@ -174,7 +174,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(of) = &result.bounds {
         return text_of_bounds(file, args, result, of);
     }
-    let mut text = answer::map(result);
+    let mut text = abbe::headlines::map(result);
     text += &format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, {}\n{}{} poses ({})\n{}\n",
         result.machine,
@@ -217,7 +217,7 @@ fn beyond_measured(of: &BeyondMeasured) -> String {
 
 /// The map of a machine of which nothing is measured.
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
-    let mut text = answer::map(result);
+    let mut text = abbe::headlines::map(result);
     text += &format!(
         "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",

@@ -442,6 +442,14 @@ impl Solution {
         self.below_noise = describe_weak(&spreads, &scale.component_div(sizes), &self.null_echelon, parameters);
     }
 
+    /// Returns the covariance of the first `count` parameters, in their units, row by row, with scatter, form, and what
+    /// is common to the readings. The null space has no part in it.
+    pub fn covariance(&self, count: usize) -> Vec<Vec<f64>> {
+        let root = self.covariance_root() * self.sigma;
+        let whole = &root * root.transpose() + &self.shared.form.all + &self.shared.common;
+        (0..count).map(|i| (0..count).map(|j| whole[(i, j)]).collect()).collect()
+    }
+
     /// Returns a factor F of the joint covariance `F F^T` of the first `count` parameters, in their units: its columns
     /// are independent parts of one standard uncertainty each, the largest first. The null space has no part in it; it
     /// is empty without residual degrees of freedom.

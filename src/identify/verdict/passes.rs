@@ -5,7 +5,7 @@ use super::diagnose::diagnose;
 use super::fitted::FitDiagnosis;
 use super::inputs::{FitAcceptance, FitInputs, FitRange};
 use super::problem::Problem;
-use super::result::{IdentifyResult, NamedSvg};
+use super::result::{IdentifyResult, NamedSvg, ReadingResidual};
 use super::{advice, limits, provenance, remarks};
 use crate::diagnostic::Diagnostic;
 use crate::identify::{
@@ -95,7 +95,10 @@ fn solve_over_volume(
         remarks.extend(remarks::outlying(&fitted, sources));
     }
     let mut result = IdentifyResult::of(&fitted, sources);
-    result.residuals = accused::residual_groups(&fitted, &in_data.residuals(&model, data));
+    let left = in_data.residuals(&model, data);
+    result.residuals = accused::residual_groups(&fitted, &left);
+    result.reading_residuals =
+        data.iter().zip(&left).map(|(m, left)| ReadingResidual::of(m.kind(), (*left).into())).collect();
     result.suspect = accused::suspect(&fitted, sources, &inputs.accept);
     accuse(call, result.suspect.as_ref(), remarks, outputs.machine_file)?;
     if outputs.machine_file {

@@ -64,6 +64,24 @@ impl FittedParameter {
     }
 }
 
+/// What the fit leaves of a measurement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReadingResidual {
+    /// The kind of reading, such as `deviations`.
+    pub kind: &'static str,
+    /// Measured minus predicted, along x, y, z where the reading is of a point; the first number where it is one.
+    pub residual: [f64; 3],
+    /// Unit of the residual.
+    pub unit: &'static str,
+}
+
+impl ReadingResidual {
+    pub(crate) fn of(kind: ReadingKind, mm: [f64; 3]) -> Self {
+        let (unit, factor) = kind.unit();
+        Self { kind: kind.word(), residual: mm.map(|mm| mm * factor), unit }
+    }
+}
+
 /// A value that was known before the data.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct KnownValue {
@@ -415,6 +433,12 @@ pub struct IdentifyResult {
     /// Combinations without effect, in words for people: shortened.
     #[serde(skip)]
     pub free: Vec<String>,
+    /// Covariance of `parameters` in their units, row by row; what is free has no part in it.
+    #[serde(skip)]
+    pub covariance: Vec<Vec<f64>>,
+    /// Residuals of the measurements in their order.
+    #[serde(skip)]
+    pub reading_residuals: Vec<ReadingResidual>,
     /// Text of the fitted machine file, if asked for.
     #[serde(skip)]
     pub machine_file: Option<String>,
@@ -504,10 +528,20 @@ impl IdentifyResult {
             reading_scatter: reading_scatter(fitted),
             coverage: s.coverage_range(),
             free: s.null_space_summary(),
+            covariance: covariance(fitted),
+            reading_residuals: Vec::new(),
             machine_file: None,
             pictures: Vec::new(),
         }
     }
+}
+
+fn covariance(fitted: &FitDiagnosis<'_>) -> Vec<Vec<f64>> {
+    let factor = |k: usize| fitted.unknowns[k].factor;
+    let rows = fitted.solution.covariance(fitted.own).into_iter().enumerate();
+    let in_units =
+        |(i, row): (usize, Vec<f64>)| row.iter().enumerate().map(|(j, v)| v * factor(i) * factor(j)).collect();
+    rows.map(in_units).collect()
 }
 
 fn repeated_readings(repeats: &Repeats) -> RepeatedReadings {
