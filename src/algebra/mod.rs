@@ -18,7 +18,7 @@ pub mod weil;
 
 pub use dual::Dual;
 pub use element::{Algebra, MAX_ORDER, difference};
-pub use group::{AdmissibilityFailure, Split, split};
+pub use group::{AdmissibilityFailure, DualMatrix, ErrorOfDegree, Split, commutator_defect, error_class, split};
 pub use htm::{Htm, exp_hat, hat, left_jacobian, product, rotation_about, rotation_vector, skew_vector, transform};
 pub use solve::{Singular, newton_step, newton_steps, solve};
 pub use symbolic::Symbolic;

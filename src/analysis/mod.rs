@@ -33,8 +33,8 @@ mod volume;
 pub mod zone;
 
 pub use closed_form::{
-    Equations, Interactions, LocationSet, Naming, Options, ProductEffect, Status, Symbol, SymbolMeaning, equations,
-    interactions,
+    Equations, FactorsOfJoint, Interactions, Lemma, LocationSet, Naming, Options, OwnParameter, ParameterShare,
+    ProductEffect, Status, Symbol, SymbolMeaning, equations, equations_in, interactions, lemmas, lie_algebra,
 };
 pub use design::{
     Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,

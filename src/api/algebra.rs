@@ -23,8 +23,36 @@ const MAX_MULTIPLICATIONS: f64 = 4e9;
 pub(crate) fn lift(call: &mut Call, machine: &Machine, text: &str, poses: usize) -> Result<WeilLift, Refused> {
     let declared = declare(call, machine, text)?;
     let joints = (poses * (machine.axes().len() + 2)) as f64;
-    let work = declared.size().products * PRODUCTS_OF_A_JOINT * joints;
-    declared.build().and_then(|lift| within_time(lift, work, poses)).or_else(|refusal| call.refuse(refusal))
+    let built = declared.build().and_then(|lift| {
+        let work = lift.basis().products() as f64 * PRODUCTS_OF_A_JOINT * joints;
+        within_time(lift, work, poses)
+    });
+    built.or_else(|refusal| call.refuse(refusal))
+}
+
+/// The algebra that a result was computed over.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub struct AlgebraResult {
+    /// Names of the generators, x1 first.
+    pub generators: Vec<String>,
+    /// Order of monomials: graded reverse lexicographic, x1 > x2 > ...
+    pub monomial_order: &'static str,
+    /// Reduced Groebner basis of the ideal up to the degree, each element solved for its leading monomial; empty
+    /// without relations.
+    pub groebner_basis: Vec<String>,
+    /// Monomials that are a basis of the algebra over the reals.
+    pub monomials: Vec<String>,
+}
+
+impl AlgebraResult {
+    pub(crate) fn of(lift: &WeilLift) -> Self {
+        Self {
+            generators: lift.declared().names().to_vec(),
+            monomial_order: "grevlex",
+            groebner_basis: lift.relations(),
+            monomials: lift.monomials(),
+        }
+    }
 }
 
 /// Refuses a calculation that would take long.

@@ -4,12 +4,18 @@ use super::algebra;
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
-use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
+use crate::analysis::{
+    Equations, Naming, Options, OwnParameter, ParameterShare, Symbol, SymbolMeaning, equations_in as closed_forms,
+};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Frame;
+use crate::identify::{BasisFunction, Parameter, ParameterTerm, parameters};
 use crate::job::machine_file::MachineFile;
+use crate::lower::JointFactor;
 use crate::machine::Machine;
 use crate::report::equations as print;
 use crate::run::{Call, Refused, Reply, Run};
+use crate::syntax::IdentifyEntry;
 use indexmap::IndexMap;
 use nalgebra::{Matrix4, Vector3};
 use schemars::JsonSchema;
@@ -28,6 +34,8 @@ pub struct EquationsOptions {
     pub symbols: Naming,
     /// True if the length of the tool stays the symbol L.
     pub tool_length: bool,
+    /// True to list the factors of each joint: nominal motion, error and location matrices.
+    pub factors: bool,
 }
 
 /// The closed forms of a machine; mm and rad, workpiece frame.
@@ -45,6 +53,9 @@ pub struct EquationsResult {
     pub symbols: Vec<EquationSymbol>,
     /// The matrix of each joint.
     pub joints: IndexMap<String, PolynomialMatrix>,
+    /// The factors of these matrices in their order, with [`EquationsOptions::factors`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub factors: Option<IndexMap<String, Vec<MatrixFactor>>>,
     /// From the bed to the tool.
     pub t_tool: PolynomialMatrix,
     /// From the bed to the workpiece.
@@ -59,6 +70,15 @@ pub struct EquationsResult {
     of: Machine,
     #[serde(skip)]
     equations: Equations,
+}
+
+/// A factor of the matrix of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MatrixFactor {
+    /// `N`, `E`, `E^-1`, `Loc`, `Loc^-1`, `Loc N Loc^-1`, `T(o)` and `T(-o)` with o the origin of the axis.
+    pub name: &'static str,
+    /// The matrix.
+    pub matrix: PolynomialMatrix,
 }
 
 /// A matrix of polynomials, row by row.
@@ -78,7 +98,7 @@ pub struct EquationUnits {
 pub struct EquationSymbol {
     /// As it stands in the text.
     pub symbol: String,
-    /// `error`, `position`, `sine`, `cosine` or `tool_length`.
+    /// `error`, `parameter`, `position`, `sine`, `cosine` or `tool_length`.
     pub kind: &'static str,
     /// Name of the error or axis.
     pub of: String,
@@ -109,7 +129,7 @@ pub struct PolynomialTerm {
 }
 
 impl EquationsResult {
-    fn new(of: Machine, degree: u8, equations: Equations) -> Self {
+    fn new(of: Machine, degree: u8, equations: Equations, with_factors: bool) -> Self {
         let symbols = &equations.symbols;
         let matrix = |htm: &Htm<Symbolic>| rows(&htm.to_matrix(), symbols);
         let vector = |v: &Vector3<Symbolic>| v.iter().map(|p| polynomial(p, symbols)).collect();
@@ -120,6 +140,10 @@ impl EquationsResult {
             units: EquationUnits { length: "mm", angle: "rad" },
             symbols: symbols.iter().map(|s| symbol(&of, s)).collect(),
             joints: equations.joints.iter().map(|(name, htm)| (name.clone(), matrix(htm))).collect(),
+            factors: with_factors.then(|| {
+                let one = |f: &JointFactor<Symbolic>| MatrixFactor { name: f.name, matrix: matrix(&f.matrix) };
+                equations.factors.iter().map(|j| (j.name.clone(), j.factors.iter().map(one).collect())).collect()
+            }),
             t_tool: matrix(&equations.t_tool),
             t_work: matrix(&equations.t_work),
             e_ve: rows(&equations.e_ve, symbols),
@@ -132,12 +156,12 @@ impl EquationsResult {
 
     /// Returns the closed forms as text.
     pub fn text(&self) -> String {
-        print::text(&self.of, &self.equations)
+        print::text(&self.of, &self.equations, self.factors.is_some())
     }
 
     /// Returns the closed forms as a LaTeX document.
     pub fn latex(&self) -> String {
-        print::latex(&self.of, &self.equations)
+        print::latex(&self.of, &self.equations, self.factors.is_some())
     }
 }
 
@@ -148,13 +172,41 @@ pub fn equations(file: &MachineFile, options: &EquationsOptions, run: Run) -> Re
     Call::answer(run, file.sources(), |call| derive(call, file, options))
 }
 
-fn derive(call: &mut Call, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
+fn derive(call: &mut Call, machine: &MachineFile, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
     let text = options.algebra.clone().unwrap_or_else(|| format!("degree: {}", options.order.unwrap_or(1)));
     let declared = algebra::declare(call, machine, &text)?;
+    if declared.has_relations() {
+        let message = "the closed forms keep every product of errors: relations between monomials do not act there";
+        let help = "leave the relations out of `vanish`, or evaluate over the algebra by `abbe eval --algebra`";
+        return call.refuse(Diagnostic::new(codes::E0525, message).help(help));
+    }
     let (naming, tool_length) = (options.symbols, options.tool_length);
-    let found = closed_forms(machine, &declared, Options { naming, tool_length });
+    let parameters = match naming {
+        Naming::Parameters => own_parameters(machine).or_else(|refusal| call.refuse(refusal))?,
+        _ => Vec::new(),
+    };
+    let found = closed_forms(machine, &declared, Options { naming, tool_length }, &parameters);
     let equations = found.or_else(|refusal| call.refuse(refusal))?;
-    Ok(EquationsResult::new(machine.clone(), declared.ideal().degree, equations))
+    let of: &Machine = machine;
+    Ok(EquationsResult::new(of.clone(), declared.ideal().degree, equations, options.factors))
+}
+
+/// Returns the parameters of the section `identify` of a machine file.
+fn own_parameters(machine: &MachineFile) -> Result<Vec<OwnParameter>, Diagnostic> {
+    let section = machine.identify.as_ref().map(|section| section.parameters.clone()).unwrap_or_default();
+    if section.is_empty() {
+        let help = "write `identify: { parameters: { f1: { EBX: [0, 1], EZX: [0, 0, -0.5] } } }`, or ask for \
+                    `--symbols paper`";
+        return Err(Diagnostic::new(codes::E0525, "the machine file has no parameters of its own").help(help));
+    }
+    let request =
+        IdentifyEntry { fit: section.keys().cloned().collect(), parameters: section, ..IdentifyEntry::default() };
+    let power = |basis: &BasisFunction| if let BasisFunction::Power(k) = basis { *k } else { 0 };
+    let share =
+        |term: &ParameterTerm| ParameterShare { source: term.source, power: power(&term.basis), factor: term.factor };
+    let own = |p: Parameter| OwnParameter { moves: p.terms.iter().map(share).collect(), name: p.name };
+    let list = parameters(machine, &request).map_err(|refusal| *refusal)?;
+    Ok(list.into_iter().map(own).collect())
 }
 
 fn rows(matrix: &Matrix4<Symbolic>, symbols: &[Symbol]) -> PolynomialMatrix {
@@ -186,6 +238,7 @@ fn symbol(machine: &Machine, symbol: &Symbol) -> EquationSymbol {
         SymbolMeaning::Sine(i) => ("sine", axis(i).to_owned()),
         SymbolMeaning::Cosine(i) => ("cosine", axis(i).to_owned()),
         SymbolMeaning::ToolLength => ("tool_length", "Z".to_owned()),
+        SymbolMeaning::Parameter(_) => ("parameter", symbol.text.clone()),
     };
     let Symbol { text, latex, .. } = symbol;
     EquationSymbol { symbol: text.clone(), kind, of, sign: symbol.sign(), latex: latex.clone() }

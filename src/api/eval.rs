@@ -71,6 +71,9 @@ pub struct EvalResult {
     pub machine: String,
     /// `exact`, a degree, or the algebra in words.
     pub order: String,
+    /// The algebra asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub algebra: Option<algebra::AlgebraResult>,
     /// Frame of the vectors.
     pub frame: Frame,
     /// Side of approach.
@@ -216,6 +219,7 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
     Ok(EvalResult {
         machine: machine.name().to_owned(),
         order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
+        algebra: lift.as_ref().map(algebra::AlgebraResult::of),
         frame: options.frame,
         direction: options.approach,
         tool: machine.tool().name.clone(),

@@ -1,5 +1,6 @@
 //! Results of the functions, and their parts, for `abbe::results`; `results.md` has them by verb.
 
+pub use super::algebra::AlgebraResult;
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget, ZoneBudget};
 pub use super::budgets::{
@@ -10,7 +11,9 @@ pub use super::certificate::{
     AtReference, CertificateBeyond, CertificateReport, CertificateStep, JobCertificate, ReferenceShift,
 };
 pub use super::check::CheckedFile;
-pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
+pub use super::classify::{
+    Classification, ErrorClass, ErrorPart, ErrorsOfDegree, MotionWithErrors, NoMotion, SixErrors,
+};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compare_figures::{FittedComparison, FittedMachine, JudgedDifference, MachineVerdict};
 pub use super::compile::CompiledSet;
@@ -23,7 +26,7 @@ pub use super::enumerate::{
     AgainstFirst, Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
 };
 pub use super::equations::{
-    EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,
+    EquationSymbol, EquationUnits, EquationsResult, MatrixFactor, Polynomial, PolynomialMatrix, PolynomialTerm,
 };
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
@@ -48,6 +51,7 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::terms::{DegreePart, MonomialPart};
 pub use super::uncertainty::CertificateBands;
 pub use super::withheld::TurnedVerdicts;
+pub use crate::analysis::Lemma;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Proportion, Role, Verdict,
     VersusFirst,

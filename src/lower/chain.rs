@@ -1,6 +1,6 @@
 //! The chain: joints on the walk from workpiece to tool, their product and its halves.
 
-use super::joint::{JointElements, JointPosition, error_motion, invert_if, joint};
+use super::joint::{JointElements, JointFactor, JointPosition, between, error_motion, invert_if, joint, joint_factors};
 use super::source::{AxisErrorValues, Elements, ErrorLift, ErrorSite, ErrorValues};
 use crate::algebra::{Algebra, Htm};
 use crate::machine::{Branch, Machine};
@@ -56,6 +56,30 @@ impl<S: Algebra> Chain<S> {
             tip: elements.tip(machine.tool().tip, values.tool),
             workpiece_side: workpiece_side(machine),
         }
+    }
+
+    /// Returns the factors of every joint of [`Self::actual_at`], those of the spindle last if it has errors.
+    pub fn factors_at(
+        machine: &Machine,
+        at: &[JointPosition<S>],
+        values: &ErrorValues,
+        lift: &impl ErrorLift<S>,
+    ) -> Vec<Vec<JointFactor<S>>> {
+        let conventions = machine.conventions();
+        let elements = Elements::new(machine, lift);
+        let axis = |i: usize| {
+            let AxisErrorValues { location, component } = &values.axes[i];
+            let errors = JointElements {
+                location: elements.six(ErrorSite::Location(i), location),
+                component: elements.six(ErrorSite::Component(i), component),
+            };
+            joint_factors(&machine.axes()[i], conventions, &at[i], &errors)
+        };
+        let spindle = values.spindle.and_then(|six| elements.six(ErrorSite::Location(at.len()), &six)).map(|six| {
+            let matrix = error_motion(&six, conventions.joints);
+            between(&machine.tool().gauge, vec![JointFactor { name: "Loc", matrix }])
+        });
+        (0..at.len()).map(axis).chain(spindle).collect()
     }
 
     /// Returns the nominal machine: no errors at all.

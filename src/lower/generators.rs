@@ -1,7 +1,9 @@
 //! The generators of errors: a declared algebra on a machine.
 
 use super::source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Source};
-use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Size, Weil};
+use crate::algebra::weil::{
+    Basis, BasisFailure, Binomial, GroebnerBasis, Ideal, IdealFailure, MAX_ELEMENTS, Monomial, Size, Weil,
+};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
 use std::collections::BTreeMap;
@@ -67,6 +69,7 @@ pub struct DeclaredAlgebra {
     names: Vec<String>,
     generators: BTreeMap<Source, u16>,
     ideal: Ideal,
+    relations: Vec<Binomial>,
 }
 
 impl DeclaredAlgebra {
@@ -88,9 +91,19 @@ impl DeclaredAlgebra {
             });
             let _ = generators.insert(given.source, u16::try_from(index).unwrap_or(u16::MAX));
         }
-        let mut declared = Self { names, generators, ideal: Ideal::above(choice.degree) };
+        let ideal = Ideal::above(choice.degree);
+        let mut declared = Self { names, generators, ideal, relations: Vec::new() };
         for monomial in &choice.vanish {
             declared.ideal.vanish.extend(declared.monomial(machine, monomial)?);
+        }
+        for relation in &choice.relations {
+            match [declared.monomial(machine, &relation.left)?, declared.monomial(machine, &relation.right)?] {
+                [Some(left), Some(right)] => {
+                    declared.relations.push(Binomial { left, factor: relation.factor, right });
+                }
+                // An error that the machine has not is 0, and so is the other side.
+                [one, other] => declared.ideal.vanish.extend(one.or(other)),
+            }
         }
         Ok(declared)
     }
@@ -147,6 +160,11 @@ impl DeclaredAlgebra {
         self.ideal.size(u16::try_from(self.names.len()).unwrap_or(u16::MAX))
     }
 
+    /// True if monomials replace others.
+    pub fn has_relations(&self) -> bool {
+        !self.relations.is_empty()
+    }
+
     /// Returns the vanishing monomials.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
@@ -164,7 +182,8 @@ impl DeclaredAlgebra {
     /// Basis and product table.
     pub fn build(self) -> Result<WeilLift, Diagnostic> {
         let count = u16::try_from(self.names.len()).unwrap_or(u16::MAX);
-        let basis = Basis::new(count, self.ideal.clone()).map_err(|failure| self.refusal(&failure))?;
+        let basis = Basis::with_relations(count, self.ideal.clone(), &self.relations);
+        let basis = basis.map_err(|failure| self.refusal(&failure))?;
         Ok(WeilLift { declared: self, basis })
     }
 
@@ -174,6 +193,17 @@ impl DeclaredAlgebra {
             BasisFailure::KillsOne => Diagnostic::new(codes::E0522, "the ideal contains 1: no algebra would remain"),
             BasisFailure::Degree(degree) => Diagnostic::new(codes::E0215, format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
+            BasisFailure::Ideal(IdealFailure::Inhomogeneous(_)) => {
+                Diagnostic::new(codes::E0215, "a relation between monomials of different degrees")
+            }
+            BasisFailure::Ideal(IdealFailure::TooMany) => {
+                let message = format!("the Groebner basis of the relations has more than {MAX_ELEMENTS} elements");
+                Diagnostic::new(codes::E0523, message).help("lower the degree, or write fewer relations")
+            }
+            BasisFailure::Ideal(IdealFailure::Coefficient) => {
+                Diagnostic::new(codes::E0523, "the Groebner basis of the relations has coefficients beyond 38 digits")
+                    .help("lower the degree, or write factors of fewer digits")
+            }
             BasisFailure::Size(size) => {
                 let message = format!(
                     "an algebra of {count} generators to degree {degree} needs up to {:.3e} monomials and {} GB",
@@ -223,6 +253,27 @@ impl WeilLift {
     /// Returns the basis.
     pub fn basis(&self) -> &Arc<Basis> {
         &self.basis
+    }
+
+    /// Returns the Groebner basis of the relations in words, `x1*x2 = x3^2`, largest leading monomials first.
+    pub fn relations(&self) -> Vec<String> {
+        let name = |m: &Monomial| self.declared.monomial_name(m);
+        let binomial = |b: &Binomial| match b.factor.to_string().as_str() {
+            "1" => format!("{} = {}", name(&b.left), name(&b.right)),
+            "-1" => format!("{} = -{}", name(&b.left), name(&b.right)),
+            factor => format!("{} = {factor} {}", name(&b.left), name(&b.right)),
+        };
+        let of = |basis: &GroebnerBasis| {
+            let zero = basis.monomials().iter().map(|m| format!("{} = 0", name(m)));
+            basis.binomials().iter().map(binomial).chain(zero).collect()
+        };
+        self.basis.relations().map_or_else(Vec::new, of)
+    }
+
+    /// Returns the monomials of the basis in words; `1` first.
+    pub fn monomials(&self) -> Vec<String> {
+        let name = |m: &Monomial| if m.degree() == 0 { "1".to_owned() } else { self.declared.monomial_name(m) };
+        self.basis.monomials().iter().map(name).collect()
     }
 }
 

@@ -92,6 +92,65 @@ pub fn joint<S: Algebra>(
     Htm::about(&convention.pivot, bracket)
 }
 
+/// A factor of a joint's matrix, with its name: `N`, `E`, `E^-1`, `Loc`, `Loc^-1`, `Loc N Loc^-1`, `T(o)`, `T(-o)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointFactor<S: Algebra> {
+    /// Its name.
+    pub name: &'static str,
+    /// The matrix.
+    pub matrix: Htm<S>,
+}
+
+/// Returns the factors whose product, in this order, is the matrix of an axis.
+pub fn joint_factors<S: Algebra>(
+    axis: &Axis,
+    conventions: &Conventions,
+    position: &JointPosition<S>,
+    errors: &JointElements<S>,
+) -> Vec<JointFactor<S>> {
+    let convention = axis.convention(conventions);
+    let motion = nominal(axis, position);
+    let error = |six: &[S; 6]| error_motion(six, conventions.joints);
+    let (component, location) = (errors.component.as_ref().map(error), errors.location.as_ref().map(error));
+    let factor = |name, matrix| JointFactor { name, matrix };
+    let mut factors = match (&location, convention.location) {
+        (Some(location), LocationAction::Displaces) if axis.kind == AxisKind::Linear => {
+            vec![factor("Loc N Loc^-1", displaced(axis, location, &motion))]
+        }
+        (Some(location), LocationAction::Displaces) => {
+            let back = factor("Loc^-1", invert_if(true, location.clone()));
+            vec![factor("Loc", location.clone()), factor("N", motion), back]
+        }
+        _ => vec![factor("N", motion)],
+    };
+    let names = |plain, inverse, by: ErrorFactor| if by.inverse { inverse } else { plain };
+    let mut put = |name, matrix: Htm<S>, by: ErrorFactor| {
+        let new = factor(name, invert_if(by.inverse, matrix));
+        match by.side {
+            MotionSide::Outer => factors.insert(0, new),
+            MotionSide::Inner => factors.push(new),
+        }
+    };
+    if let Some(component) = component {
+        put(names("E", "E^-1", convention.component), component, convention.component);
+    }
+    if let (Some(location), LocationAction::Factor(by)) = (location, convention.location) {
+        put(names("Loc", "Loc^-1", by), location, by);
+    }
+    between(&convention.pivot, factors)
+}
+
+/// Factors between the translations to a point and back, unless that is the origin.
+pub fn between<S: Algebra>(point: &[f64; 3], mut factors: Vec<JointFactor<S>>) -> Vec<JointFactor<S>> {
+    if point.iter().any(|x| *x != 0.0) {
+        let to = Vector3::from(*point);
+        let translation = |v: Vector3<f64>| Htm::translation(v.map(S::from_real));
+        factors.insert(0, JointFactor { name: "T(o)", matrix: translation(to) });
+        factors.push(JointFactor { name: "T(-o)", matrix: translation(-to) });
+    }
+    factors
+}
+
 /// N(q): translation along, or rotation about, the axis direction.
 pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &JointPosition<S>) -> Htm<S> {
     match position.in_sense(axis) {

@@ -17,7 +17,7 @@ mod twist;
 
 pub use chain::{Chain, NominalPose, into_part, positions};
 pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
-pub use joint::{JointElements, JointPosition, error_motion, invert_if, joint};
+pub use joint::{JointElements, JointFactor, JointPosition, error_motion, invert_if, joint, joint_factors};
 pub use source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
 pub use tangent::{PositionJacobian, direction_jacobian, point, position_jacobian};
 pub use twist::{

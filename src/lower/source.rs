@@ -41,6 +41,7 @@ impl Source {
 
 /// The conversion of an error of a given size (mm or rad) to an element of the algebra.
 pub trait ErrorLift<S: Algebra> {
+    /// Returns the element of an error, mm or rad.
     fn lift(&self, source: Source, value: f64) -> S;
 
     /// Returns the element of an error that counts in the real part (`location_order: real`).
@@ -117,6 +118,24 @@ impl ErrorValues {
             ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |axis| axis.component[direction]),
             ErrorSite::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
             ErrorSite::Workpiece => self.workpiece[direction],
+        }
+    }
+}
+
+impl ErrorValues {
+    /// Puts the value of one error, mm or rad.
+    pub(crate) fn set(&mut self, source: Source, value: f64) {
+        let direction = source.direction.index();
+        match source.place {
+            ErrorSite::Location(i) => match self.axes.get_mut(i) {
+                Some(axis) => axis.location[direction] = value,
+                None => self.spindle.get_or_insert([0.0; 6])[direction] = value,
+            },
+            ErrorSite::Component(i) => {
+                self.axes.iter_mut().skip(i).take(1).for_each(|a| a.component[direction] = value)
+            }
+            ErrorSite::Tool => self.tool.iter_mut().skip(direction).take(1).for_each(|x| *x = value),
+            ErrorSite::Workpiece => self.workpiece[direction] = value,
         }
     }
 }

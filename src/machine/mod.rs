@@ -33,7 +33,7 @@ mod uncertainty;
 mod unheld;
 mod written;
 
-pub use algebra::{AlgebraChoice, Generators};
+pub use algebra::{AlgebraChoice, Generators, NamedRelation};
 pub use axis::{Axis, AxisKind, Travel};
 pub(crate) use basis_words::basis_of_term;
 pub use bspline::{BSpline, BSplineFailure};

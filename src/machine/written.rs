@@ -3,8 +3,8 @@
 use super::{
     AlgebraChoice, Axis, AxisGeometry, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction,
     ErrorFamily, ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Geometry, Grid, JointErrors,
-    JointUncertainty, MAIN_AXES, Machine, MachineParts, Position, ReferencePoint, ResidualForm, Sense, SetUp, Tool,
-    Travel,
+    JointUncertainty, MAIN_AXES, Machine, MachineParts, NamedRelation, Position, ReferencePoint, ResidualForm, Sense,
+    SetUp, Tool, Travel,
 };
 
 /// Returns the text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -207,9 +207,11 @@ fn algebra(choice: &AlgebraChoice) -> String {
         }
     };
     let monomial = |factors: &Vec<(String, u8)>| {
-        quote(&factors.iter().map(|(name, power)| format!("{name}^{power}")).collect::<Vec<_>>().join("*"))
+        factors.iter().map(|(name, power)| format!("{name}^{power}")).collect::<Vec<_>>().join("*")
     };
-    let vanish = list(&mut choice.vanish.iter().map(monomial));
+    let relation = |r: &NamedRelation| format!("{} = {} {}", monomial(&r.left), r.factor, monomial(&r.right));
+    let elements = choice.vanish.iter().map(monomial).chain(choice.relations.iter().map(relation));
+    let vanish = list(&mut elements.map(|text| quote(&text)));
     format!("algebra: {{ degree: {}, generators: {generators}, vanish: {vanish} }}\n", choice.degree)
 }
 

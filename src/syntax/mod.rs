@@ -18,6 +18,7 @@ mod job_document;
 mod job_text;
 mod layer;
 mod mapping;
+mod matrix_file;
 mod nulls;
 mod places;
 mod read;
@@ -44,6 +45,7 @@ pub use geometry::{PositionEntry, RelativeEntry, SideEntry, TravelEntry, Written
 pub use job_document::read_job;
 pub use job_text::JobText;
 pub(crate) use job_text::TOOL_POSES;
+pub use matrix_file::{MatrixFailure, MatrixFile, matrix_file};
 pub use places::{Keys, below, keys};
 pub(crate) use read::unreadable;
 pub use read::{read_table_text, read_text};

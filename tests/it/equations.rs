@@ -30,6 +30,7 @@ fn symbols_at(machine: &Machine, found: &Equations, pose: &[f64]) -> Vec<f64> {
         SymbolMeaning::Sine(i) => sin_cos_degrees(pose[i]).0,
         SymbolMeaning::Cosine(i) => sin_cos_degrees(pose[i]).1,
         SymbolMeaning::ToolLength => machine.tool().tip[2] - machine.tool().gauge[2],
+        SymbolMeaning::Parameter(_) => f64::NAN,
     };
     found.symbols.iter().map(|s| value(s.meaning)).collect()
 }
@@ -467,4 +468,60 @@ fn what_is_no_polynomial_is_refused() {
     assert_eq!(exit, 2);
     let (_, _, exit) = abbe(&[path.to_str().unwrap(), "--format", "csv"]);
     assert_eq!(exit, 2);
+}
+
+/// The terms of a polynomial of the program's JSON.
+fn program_terms(polynomial: &Value, order: u64) -> Terms {
+    let terms = polynomial["terms"].as_array().unwrap().iter().filter(|term| term["order"] == order);
+    let powers = |p: &Value| p.as_object().unwrap().iter().map(|(s, p)| (s.clone(), p.as_u64().unwrap())).collect();
+    terms.map(|term| (powers(&term["powers"]), term["coefficient"].as_f64().unwrap())).collect()
+}
+
+/// The 2015 Dx, Dy, Dz in a, b, c, f1 to h3, as printed: those that SymPy multiplied out.
+#[test]
+fn the_program_prints_2015_in_the_papers_own_parameters() {
+    let file = configs::folder().join("../docs/examples/paper-2015/as-printed.yaml");
+    let file = file.to_str().unwrap();
+    let asked = ["--order", "2", "--symbols", "parameters", "--tool-length", "--factors"];
+    let (out, complaint, exit) = abbe(&[&[file, "--format", "json"][..], &asked].concat());
+    assert_eq!(exit, 0, "{complaint}");
+    let json: Value = serde_json::from_str(&out).unwrap();
+    let sympy = sympy();
+    for (k, axis) in ["Dx", "Dy", "Dz"].iter().enumerate() {
+        for order in 0..=2 {
+            let theirs = expected(&sympy["holub_printed"][axis][order]);
+            same(&program_terms(&json["deviation"][k], order as u64), &theirs, &format!("{axis} order {order}"));
+        }
+    }
+    // T_x E_x as printed: N is a translation along x, E the matrix of its six errors.
+    let factors = &json["factors"]["X"];
+    assert_eq!([&factors[0]["name"], &factors[1]["name"]], ["N", "E"]);
+    let text = |f: usize, i: usize, j: usize| factors[f]["matrix"][i][j]["text"].as_str().unwrap().to_owned();
+    assert_eq!([text(0, 0, 3), text(0, 1, 3), text(1, 0, 3)], ["x", "0", "x*a"]);
+    assert_eq!([text(1, 0, 1), text(1, 1, 0), text(1, 1, 2), text(1, 1, 3)], ["-x*f2", "x*f2", "-x*f3", "1/2*x^2*f1"]);
+    let (out, _, _) = abbe(&[&[file, "--latex"][..], &asked].concat());
+    assert!(out.contains("f_{2}") && out.contains("$G_{X} = N\\;E$") && out.contains("\\subsection*{Chain}"), "{out}");
+    let (_, complaint, exit) =
+        abbe(&[configs::folder().join("trunnion.yaml").to_str().unwrap(), "--symbols", "parameters"]);
+    assert!(exit == 1 && complaint.contains("E0525") && complaint.contains("no parameters of its own"), "{complaint}");
+}
+
+/// The factors of every joint multiply to its matrix, in every convention.
+#[test]
+fn factors_multiply_to_joints() {
+    let mut random = Random::new(43);
+    for conventions in combinations() {
+        let sample = Sample::random(&mut random, conventions, 1e-4);
+        let folder = Folder::new();
+        yaml::write(&sample, &folder);
+        let machine = load(&folder.path("machine.yaml"));
+        let found = of_order(&machine, 1, Options::default());
+        for (joint, (name, whole)) in found.factors.iter().zip(&found.joints) {
+            let product = joint.factors.iter().fold(abbe::algebra::Htm::identity(), |p, f| p.compose(&f.matrix));
+            assert_eq!(&joint.name, name);
+            let gap =
+                (product.to_matrix() - whole.to_matrix()).map(|p| p.terms().map(|(_, c)| c.abs()).fold(0.0, f64::max));
+            assert!(gap.iter().all(|x| *x < 1e-9), "{name}: {gap:?}");
+        }
+    }
 }

@@ -94,6 +94,7 @@ mod options;
 mod oracle;
 mod orientations;
 mod paper_2015;
+mod papers;
 mod papers_way;
 mod parameter_pages;
 mod parametrisation;

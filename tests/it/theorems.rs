@@ -499,3 +499,12 @@ fn the_labels_of_the_five_axis_paper() {
     assert_eq!((pattern(2, (0, 2)), pattern(2, (1, 2))), (Some('x'), Some('y')));
     assert_eq!((about((0, 2)), about((1, 2))), (Some(1), Some(0)));
 }
+
+/// "The actual interference of three errors for the term to be neglected" after (39) is one of four.
+#[test]
+fn in_d_4_3_products_of_four_vanish_and_of_three_do_not() {
+    use abbe::algebra::weil::{Basis, Ideal, Monomial};
+    let basis = Basis::new(4, Ideal::above(3)).unwrap();
+    let product = |count: u16| Monomial::new((0..count).map(|k| (k, 1)));
+    assert!(basis.position(&product(3)).is_some() && basis.position(&product(4)).is_none());
+}

@@ -15,7 +15,7 @@ fn lift(machine: &Machine, choice: &AlgebraChoice) -> WeilLift {
 }
 
 fn choice(degree: u8, generators: Generators) -> AlgebraChoice {
-    AlgebraChoice { degree, generators, vanish: Vec::new() }
+    AlgebraChoice { degree, generators, vanish: Vec::new(), relations: Vec::new() }
 }
 
 #[test]
@@ -164,6 +164,9 @@ fn what_is_no_algebra_is_refused_with_its_reason() {
         ("degree: 7", "E0215", "1 to 6"),
         ("generators: per-eror", "E0210", "per-error"),
         ("generators: {tilt: [EXX, nonsense]}", "E0405", "nonsense"),
+        ("generators: per-axis, vanish: ['X*Y = Z']", "E0215", "degrees 2 and 1"),
+        ("generators: per-axis, vanish: ['X*Y = 1/0 Z^2']", "E0215", "not a relation"),
+        ("generators: per-axis, vanish: ['X*Y = Q^2']", "E0521", "Q"),
         ("degree=3", "E0814", "--algebra"),
         ("", "E0814", "names no algebra"),
     ] {
@@ -224,4 +227,99 @@ fn groups_and_the_file_s_own_algebra_are_taken() {
     assert_eq!(exit, 0, "{complaint}");
     // tilt, EXX, EYY to degree 3 without tilt^2 and EXX*EYY: 1, 3, 2 squares and 2 mixed, x2^3 x3^3 t x2^2 t x3^2.
     assert!(out.contains("3 in 3 generators, 12 monomials"), "{out}");
+}
+
+/// Monomials of a degree in so many generators, as powers.
+fn powers(generators: usize, degree: u8) -> Vec<Vec<u8>> {
+    match generators {
+        0 => {
+            if degree == 0 {
+                vec![Vec::new()]
+            } else {
+                Vec::new()
+            }
+        }
+        _ => (0..=degree)
+            .flat_map(|p| powers(generators - 1, degree - p).into_iter().map(move |rest| [vec![p], rest].concat()))
+            .collect(),
+    }
+}
+
+/// An element of an ideal: coefficients by powers.
+type Polynomial = Vec<(f64, Vec<u8>)>;
+
+/// The dimension of a degree of the quotient, by the rank of all multiples of the generators of the ideal.
+fn dimension(ideal: &[Polynomial], generators: usize, degree: u8) -> usize {
+    let all = powers(generators, degree);
+    let mut columns = Vec::new();
+    for element in ideal {
+        let own: u8 = element[0].1.iter().sum();
+        let Some(room) = degree.checked_sub(own) else { continue };
+        for by in powers(generators, room) {
+            let mut column = vec![0.0; all.len()];
+            for (c, m) in element {
+                let product: Vec<u8> = m.iter().zip(&by).map(|(a, b)| a + b).collect();
+                column[all.iter().position(|m| *m == product).unwrap()] += c;
+            }
+            columns.push(column);
+        }
+    }
+    let matrix =
+        nalgebra::DMatrix::from_fn(all.len(), columns.len().max(1), |i, j| columns.get(j).map_or(0.0, |c| c[i]));
+    all.len() - matrix.rank(1e-9)
+}
+
+/// Quotients by relations have the dimensions of linear algebra degree by degree, and evaluate to the coefficients of
+/// the free algebra with one monomial for the other.
+#[test]
+fn relations_are_linear_algebra_degree_by_degree() {
+    let machine = configs::folder().join("gantry-3ax.yaml");
+    let run = |algebra: &str| -> serde_json::Value {
+        let arguments =
+            ["eval", machine.to_str().unwrap(), "--at", "X=300,Y=200,Z=-100", "--algebra", algebra, "--format", "json"];
+        let (out, complaint, exit) = abbe(&arguments);
+        assert_eq!(exit, 0, "{algebra}: {complaint}");
+        serde_json::from_str(&out).unwrap()
+    };
+    let cases: [(&str, Vec<Polynomial>); 4] = [
+        ("x1*x2 = x3^2", vec![vec![(1.0, vec![1, 1, 0]), (-1.0, vec![0, 0, 2])]]),
+        (
+            "x1*x2 = 0.5 x3^2', 'x1*x3 = x2^2",
+            vec![vec![(1.0, vec![1, 1, 0]), (-0.5, vec![0, 0, 2])], vec![(1.0, vec![1, 0, 1]), (-1.0, vec![0, 2, 0])]],
+        ),
+        (
+            "x1^2 = x2^2', 'x1^2 = -x2^2",
+            vec![vec![(1.0, vec![2, 0, 0]), (-1.0, vec![0, 2, 0])], vec![(1.0, vec![2, 0, 0]), (1.0, vec![0, 2, 0])]],
+        ),
+        (
+            "x1*x2*x3 = x3^3', 'x2^2",
+            vec![vec![(1.0, vec![1, 1, 1]), (-1.0, vec![0, 0, 3])], vec![(1.0, vec![0, 2, 0])]],
+        ),
+    ];
+    for (text, ideal) in cases {
+        let json = run(&format!("degree: 4, generators: per-axis, vanish: ['{text}']"));
+        let names: Vec<&str> =
+            json["algebra"]["monomials"].as_array().unwrap().iter().map(|m| m.as_str().unwrap()).collect();
+        let degree = |name: &str| match name {
+            "1" => 0,
+            name => name.split('*').map(|f| f.split_once('^').map_or(1, |(_, p)| p.parse::<u8>().unwrap())).sum::<u8>(),
+        };
+        for d in 0..=4 {
+            let ours = names.iter().filter(|name| degree(name) == d).count();
+            assert_eq!(ours, dimension(&ideal, 3, d), "{text}, degree {d}: {names:?}");
+        }
+    }
+    let coefficient = |json: &serde_json::Value, name: &str| -> [f64; 3] {
+        let list = json["poses"][0]["coefficients"].as_array().unwrap();
+        let found = list.iter().find(|c| c["monomial"] == name);
+        std::array::from_fn(|k| found.map_or(0.0, |c| c["deviation"][k].as_f64().unwrap()))
+    };
+    let (free, tied) =
+        (run("degree: 2, generators: per-axis"), run("degree: 2, generators: per-axis, vanish: ['X*Y = 3 Y*Z']"));
+    let [product, other, both] =
+        [(&free, "X*Y"), (&free, "Y*Z"), (&tied, "Y*Z")].map(|(json, name)| coefficient(json, name));
+    for k in 0..3 {
+        assert!((3.0 * product[k] + other[k] - both[k]).abs() < 1e-15, "{product:?} {other:?} {both:?}");
+    }
+    assert!(product.iter().any(|x| *x != 0.0), "the product acts here: {product:?}");
 }

@@ -61,6 +61,11 @@ impl Rules {
         &self.ideal
     }
 
+    /// Returns the kinds of the symbols.
+    pub fn kinds(&self) -> &[SymbolKind] {
+        &self.symbols
+    }
+
     fn kind(&self, symbol: u16) -> SymbolKind {
         self.symbols.get(usize::from(symbol)).copied().unwrap_or(SymbolKind::Real)
     }

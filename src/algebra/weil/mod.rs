@@ -1,15 +1,18 @@
-//! Weil algebras: polynomials in nilpotent generators, one for each error or group of errors, modulo a monomial ideal.
-//! The ideal determines the interferences of errors that are kept.
+//! Weil algebras: polynomials in nilpotent generators, one for each error or group of errors, modulo an ideal of
+//! monomials and homogeneous binomials. The ideal determines the interferences of errors that are kept, and those that
+//! others replace.
 //!
 //! The basis is chosen at run time, so an element is a plain constant or carries its basis.
 
 mod basis;
+mod groebner;
 mod monomials;
 mod table;
 #[cfg(test)]
 mod tests;
 
 pub use basis::{Basis, BasisFailure};
+pub use groebner::{Binomial, Fraction, GroebnerBasis, IdealFailure, MAX_ELEMENTS};
 pub use monomials::{Ideal, Monomial, Size};
 
 use super::{Algebra, Dual};
@@ -35,13 +38,13 @@ impl Weil {
 
     /// `value` times a monomial; zero if it vanishes.
     pub fn monomial(basis: &Arc<Basis>, monomial: &Monomial, value: f64) -> Self {
-        let Some(position) = basis.position(monomial) else { return Self::Constant(0.0) };
+        let Some((factor, position)) = basis.normal_form(monomial) else { return Self::Constant(0.0) };
         let mut list = vec![0.0; basis.monomials().len()];
-        list[position] = value;
+        list[position] = factor * value;
         Self::Element(Arc::clone(basis), list)
     }
 
-    /// Returns the coefficient of a monomial.
+    /// Returns the coefficient of a monomial of the basis; 0 of others.
     pub fn coefficient(&self, monomial: &Monomial) -> f64 {
         match self {
             Self::Constant(value) if monomial.degree() == 0 => *value,

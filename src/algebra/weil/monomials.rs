@@ -51,6 +51,19 @@ impl Monomial {
         Self::new(self.0.iter().chain(&other.0).copied())
     }
 
+    /// Returns the quotient by a divisor; powers that are missing count as 0.
+    pub fn over(&self, divisor: &Self) -> Self {
+        let lowered = |(generator, power): &(u16, u8)| (*generator, power.saturating_sub(divisor.power(*generator)));
+        Self::new(self.0.iter().map(lowered))
+    }
+
+    /// Returns the least common multiple with another one.
+    pub fn lcm(&self, other: &Self) -> Self {
+        let missing = other.0.iter().filter(|(generator, _)| self.power(*generator) == 0).copied();
+        let higher = self.0.iter().map(|(generator, power)| (*generator, *power.max(&other.power(*generator))));
+        Self::new(higher.chain(missing))
+    }
+
     /// Times a generator that is not below its last one.
     fn times_generator(&self, generator: u16) -> Self {
         let mut list = self.0.clone();
@@ -153,6 +166,11 @@ impl Size {
     fn bound(generators: f64, degree: u8) -> Self {
         let choose = |n: f64| (1..=degree).map(f64::from).map(|i| (n + i) / i).product();
         Self { monomials: choose(generators), products: choose(2.0 * generators) }
+    }
+
+    /// Returns the bound where relations hold: every pair of monomials has a product, with a factor.
+    pub(super) fn with_relations(self) -> Self {
+        Self { products: 3.0 * self.monomials * self.monomials, ..self }
     }
 
     /// Memory of basis and table.

@@ -13,6 +13,19 @@ pub enum ProductTable {
     Small(Pairs),
     /// Any.
     Rows(Rows),
+    /// With relations between monomials: products have factors.
+    Scaled(Vec<ScaledProduct>),
+}
+
+/// A product of two monomials that is a multiple of a third.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScaledProduct {
+    /// Indices of the factors.
+    pub factors: [u32; 2],
+    /// Index of the product.
+    pub into: u32,
+    /// The multiple.
+    pub factor: f64,
 }
 
 impl ProductTable {
@@ -28,6 +41,7 @@ impl ProductTable {
             Self::Quadratic(k) => 1 + 2 * k + 3 * k + 4 * (k * k - k) / 2,
             Self::Small(pairs) => pairs.products,
             Self::Rows(rows) => rows.pairs.len(),
+            Self::Scaled(list) => list.len(),
         }
     }
 
@@ -37,6 +51,12 @@ impl ProductTable {
             Self::Quadratic(k) => quadratic(*k, a, b, out),
             Self::Small(pairs) => pairs.multiply(a, b, out),
             Self::Rows(rows) => rows.multiply(a, b, out),
+            Self::Scaled(list) => {
+                out.fill(0.0);
+                for ScaledProduct { factors: [i, j], into, factor } in list {
+                    out[*into as usize] += factor * (a[*i as usize] * b[*j as usize]);
+                }
+            }
         }
     }
 }

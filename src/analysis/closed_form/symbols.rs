@@ -13,6 +13,8 @@ pub enum Naming {
     Iso,
     /// `eyx`, `Sxy` of the papers on three-axis machines, `ey(A)`, `gz(C)` of the one on five axes.
     Paper,
+    /// Those of the papers, and the parameters of the section `identify` instead of the errors that they move.
+    Parameters,
 }
 
 /// The meaning of a symbol.
@@ -28,6 +30,8 @@ pub enum SymbolMeaning {
     Cosine(usize),
     /// Z of the functional point from the gauge point, mm.
     ToolLength,
+    /// The parameter with this index, in the unit of its main error over the power of the position.
+    Parameter(usize),
 }
 
 /// A symbol with its names.
@@ -53,7 +57,7 @@ pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> S
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
         ErrorSite::Tool | ErrorSite::Workpiece => None,
     };
-    let paper = axis.filter(|_| naming == Naming::Paper).map(|axis| paper(axis, given.source, machine.conventions()));
+    let paper = axis.filter(|_| naming != Naming::Iso).map(|axis| paper(axis, given.source, machine.conventions()));
     let (text, latex, sign) = paper.unwrap_or_else(|| iso(given));
     Symbol { text, latex, meaning: SymbolMeaning::Error(given.source, sign) }
 }
@@ -100,7 +104,7 @@ pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol>
     let name = axis.name.as_str();
     match axis.kind {
         AxisKind::Linear => {
-            let name = if naming == Naming::Paper { name.to_lowercase() } else { name.to_owned() };
+            let name = if naming == Naming::Iso { name.to_owned() } else { name.to_lowercase() };
             vec![symbol(name.clone(), format!("\\mathit{{{name}}}"), SymbolMeaning::Position(index))]
         }
         AxisKind::Rotary => vec![
@@ -108,6 +112,18 @@ pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol>
             symbol(format!("cos({name})"), format!("\\cos\\mathit{{{name}}}"), SymbolMeaning::Cosine(index)),
         ],
     }
+}
+
+/// The symbol of a parameter: `f1` is f_1 in LaTeX.
+pub(crate) fn parameter(index: usize, name: &str) -> Symbol {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let plain = letters.len() == 1 && letters.chars().all(|c| c.is_ascii_alphabetic());
+    let latex = match name.split_at(letters.len()) {
+        (letter, "") if plain => letter.to_owned(),
+        (letter, digits) if plain => format!("{letter}_{{{digits}}}"),
+        _ => format!("\\mathit{{{}}}", name.replace('_', "\\_")),
+    };
+    Symbol { text: name.to_owned(), latex, meaning: SymbolMeaning::Parameter(index) }
 }
 
 pub(crate) fn tool_length() -> Symbol {

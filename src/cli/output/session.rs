@@ -155,7 +155,9 @@ impl Session {
     /// The JSON document of the run: its result, and its diagnostics if it is refused.
     fn document(&self, outcome: Outcome) -> Option<Value> {
         let document = self.document.take();
-        if self.is_sarif() || self.format() != Format::Json || outcome.is_ok() {
+        // A result that is a refusal by itself, such as a matrix that is no motion, stands alone.
+        let silent = self.diagnostics.iter().next().is_none() && self.unfit.borrow().is_none();
+        if self.is_sarif() || self.format() != Format::Json || outcome.is_ok() || silent {
             return document;
         }
         let refusal = match self.unfit.take() {

@@ -21,6 +21,9 @@ pub(crate) struct Args {
     /// Keep the length of the tool as the symbol L.
     #[arg(long)]
     tool_length: bool,
+    /// Add the factors of each joint: nominal motion, error and location matrices.
+    #[arg(long)]
+    factors: bool,
     /// A LaTeX document instead of text.
     #[arg(long)]
     latex: bool,
@@ -41,7 +44,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Some(Order::Degree(degree)) => Some(degree),
     };
     let algebra = args.algebra.algebra.clone();
-    let options = EquationsOptions { order, algebra, symbols: args.symbols, tool_length: args.tool_length };
+    let (symbols, tool_length, factors) = (args.symbols, args.tool_length, args.factors);
+    let options = EquationsOptions { order, algebra, symbols, tool_length, factors };
     let result = session.take(equations(&file, &options, session.run()))?;
     let text = || if args.latex { result.latex() } else { result.text() };
     session.show(&result, text, text)

@@ -5,7 +5,7 @@ use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewA
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, keep_words, length, numbers, path_text, table};
 use abbe::options::Approach;
-use abbe::results::{AxisPositions, ErrorEffect, EvalResult, MonomialPart, Neglected, Over, PoseResult};
+use abbe::results::{AlgebraResult, AxisPositions, ErrorEffect, EvalResult, MonomialPart, Neglected, Over, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
 use std::collections::{BTreeMap, BTreeSet};
@@ -142,7 +142,7 @@ fn text(result: &EvalResult) -> String {
     }
     keep_words(&mut table);
     format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{table}\n{}{}",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{}{table}\n{}{}",
         result.machine,
         frame_text(result.frame),
         result.order,
@@ -156,12 +156,35 @@ fn text(result: &EvalResult) -> String {
             name => format!(", tool {name}"),
         },
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
+        result.algebra.as_ref().map_or_else(String::new, quotient),
         result.over.as_ref().map_or_else(String::new, Over::text),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
         parts(result)
             + &beyond_measured(result)
             + &effects(result)
             + &result.path.as_ref().map_or_else(String::new, path_text)
+    )
+}
+
+/// Number of monomials that text output lists.
+const SHOWN_MONOMIALS: usize = 60;
+
+/// The Groebner basis of relations, and the basis of the quotient; empty without relations.
+fn quotient(algebra: &AlgebraResult) -> String {
+    if algebra.groebner_basis.is_empty() {
+        return String::new();
+    }
+    let name = |(k, name): (usize, &String)| format!("x{} {name}", k + 1);
+    let generators = algebra.generators.iter().enumerate().map(name).collect::<Vec<_>>().join(", ");
+    let monomials = algebra.monomials.iter().take(SHOWN_MONOMIALS).cloned().collect::<Vec<_>>().join(", ");
+    let rest = match algebra.monomials.len().saturating_sub(SHOWN_MONOMIALS) {
+        0 => String::new(),
+        rest => format!(", ... and {rest} more: `--format json`"),
+    };
+    format!(
+        "Groebner basis, graded reverse lexicographic, of generators {generators}:\n  {}\nBasis of the quotient: \
+         {monomials}{rest}\n",
+        algebra.groebner_basis.join("\n  ")
     )
 }
 

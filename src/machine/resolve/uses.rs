@@ -5,7 +5,7 @@ use super::context::{Context, dotted_path};
 use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
 use crate::diagnostic::{codes, shown};
-use crate::machine::algebra::{AlgebraChoice, named_monomial};
+use crate::machine::algebra::{AlgebraChoice, Vanishing, vanishing as element};
 use crate::machine::{Direction, basis_of_term, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
@@ -52,7 +52,11 @@ fn generators<'a>(context: &mut Context, known: &JointNames<'a>, entry: &'a Alge
 
 /// `EXX*EYX`, `EXX^2`: names of errors or generators with powers.
 fn vanishing(context: &mut Context, known: &JointNames<'_>, monomial: &str, names: &[&str], at: &Keys) {
-    match named_monomial(monomial) {
+    let factors = element(monomial).map(|element| match element {
+        Vanishing::Monomial(factors) => factors,
+        Vanishing::Relation(relation) => relation.left.into_iter().chain(relation.right).collect(),
+    });
+    match factors {
         Err(refusal) => context.at_value(refusal.code, at, refusal.message, refusal.help.unwrap_or_default()),
         Ok(factors) => {
             let numbered = |name: &str| name.strip_prefix('x').is_some_and(|k| k.parse::<u16>().is_ok_and(|k| k > 0));

@@ -3,7 +3,7 @@
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
-use crate::analysis::{Equations, Symbol, SymbolMeaning};
+use crate::analysis::{Equations, FactorsOfJoint, Symbol, SymbolMeaning};
 use crate::machine::Machine;
 use nalgebra::{Matrix4, Vector3};
 
@@ -93,13 +93,22 @@ fn entries(matrix: &Matrix4<Symbolic>) -> Vec<(usize, usize, &Symbolic)> {
 }
 
 /// Everything, a line for each entry that is not 0.
-pub fn text(machine: &Machine, equations: &Equations) -> String {
+pub fn text(machine: &Machine, equations: &Equations, with_factors: bool) -> String {
     let mut text = format!("{}: closed forms, workpiece frame; mm and rad\n", machine.name());
     text.push_str("Entries that are 0 are left out, as is the last row 0 0 0 1.\n");
     for line in equations.symbols.iter().filter_map(|symbol| remark(machine, symbol)) {
         text.push_str(&format!("  {line}\n"));
     }
     let line = |p: &Symbolic| polynomial_in(Script::Text, p, &equations.symbols);
+    for joint in equations.factors.iter().filter(|_| with_factors) {
+        let names: Vec<&str> = joint.factors.iter().map(|factor| factor.name).collect();
+        text.push_str(&format!("\nJoint {}, factors {}\n", joint.name, names.join(" | ")));
+        for factor in &joint.factors {
+            for (i, j, entry) in entries(&factor.matrix.to_matrix()) {
+                text.push_str(&format!("  {} [{i},{j}] = {}\n", factor.name, line(entry)));
+            }
+        }
+    }
     for ([name, _], matrix) in matrices(equations) {
         text.push_str(&format!("\n{name}\n"));
         for (i, j, entry) in entries(&matrix) {
@@ -157,13 +166,16 @@ fn vectors(equations: &Equations) -> [(&'static str, &'static str, &Vector3<Symb
 }
 
 /// A LaTeX document.
-pub fn latex(machine: &Machine, equations: &Equations) -> String {
+pub fn latex(machine: &Machine, equations: &Equations, with_factors: bool) -> String {
     let mut text = String::from(
         "\\documentclass{article}\n\\usepackage{amsmath,amsbsy}\n\\usepackage[margin=20mm]{geometry}\n\
          \\setlength{\\parindent}{0pt}\n\\begin{document}\n\\raggedright\n",
     );
     text.push_str(&format!("\\section*{{{}}}\n", escape(machine.name())));
     let line = |p: &Symbolic| polynomial_in(Script::Latex, p, &equations.symbols);
+    if with_factors {
+        text.push_str(&latex_chain(equations));
+    }
     for ([_, name], matrix) in matrices(equations) {
         text.push_str(&format!("\n\\subsection*{{{name}}}\n"));
         if fits(&matrix, &equations.symbols) {
@@ -183,6 +195,41 @@ pub fn latex(machine: &Machine, equations: &Equations) -> String {
         }
     }
     text.push_str("\\end{document}\n");
+    text
+}
+
+/// The chain: T_tool and T_work as products of joints, and each joint as a product of matrices.
+fn latex_chain(equations: &Equations) -> String {
+    let product = |workpiece: bool| {
+        let side = equations.factors.iter().filter(|joint| joint.on_workpiece_side == workpiece);
+        let names: Vec<String> = side.map(|joint| format!("G_{{{}}}", joint.name)).collect();
+        if names.is_empty() { "1".to_owned() } else { names.join("\\,") }
+    };
+    let mut text = format!(
+        "\n\\subsection*{{Chain}}\n\\[T_{{\\mathrm{{tool}}}} = {}, \\qquad T_{{\\mathrm{{work}}}} = ({})^{{-1}}\\]\n",
+        product(false),
+        product(true)
+    );
+    let line = |p: &Symbolic| polynomial_in(Script::Latex, p, &equations.symbols);
+    for FactorsOfJoint { name, factors, .. } in &equations.factors {
+        let letter = |factor: &str| match factor {
+            "T(o)" => format!("T(o_{{{name}}})"),
+            "T(-o)" => format!("T(-o_{{{name}}})"),
+            other => other.replace("Loc", "L").replace("^-1", "^{-1}").replace(' ', "\\,"),
+        };
+        let letters: Vec<String> = factors.iter().map(|factor| letter(factor.name)).collect();
+        text.push_str(&format!("\\subsection*{{$G_{{{name}}} = {}$}}\n", letters.join("\\;")));
+        for (letter, factor) in letters.iter().zip(factors) {
+            let matrix = factor.matrix.to_matrix();
+            if fits(&matrix, &equations.symbols) {
+                text.push_str(&format!("${letter}$: {}", array(&matrix, line)));
+                continue;
+            }
+            for (i, j, entry) in entries(&matrix) {
+                text.push_str(&format!("${letter}\\,[{i},{j}] = {}$\\par\n", line(entry)));
+            }
+        }
+    }
     text
 }
 
