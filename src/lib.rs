@@ -83,7 +83,7 @@
 //! 8. `compensation` solves for the corrected command and fills the tables of a controller's mechanism.
 //! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and
 //!    certifies the residual.
-//! 10. `report` draws pictures and pages.
+//! 10. `report` draws pictures and pages; `mesh` reads what a customer's machine looks like, for the page alone.
 //! 11. `api` is this façade; the program `abbe` is a face over it.
 //!
 //! `docs/architecture.md` states the invariants, `docs/theory.md` the mathematics. The stages are public for the tests
@@ -148,6 +148,8 @@ pub mod job;
 pub mod lower;
 #[doc(hidden)]
 pub mod machine;
+#[doc(hidden)]
+pub mod mesh;
 #[doc(hidden)]
 pub mod record;
 #[doc(hidden)]

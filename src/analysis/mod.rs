@@ -42,7 +42,7 @@ pub use design::{
 };
 pub use inverse::{
     DirectionKind, Inverse, Miss, Needs, ToolDirections, ToolPose, TravelExcess, Unreachable, attitude, branches,
-    direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose,
+    direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose, unturned_tool_pose,
 };
 pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};
 pub(crate) use uncertainty::figure_of;

@@ -1,5 +1,6 @@
 //! Machine files checked one by one.
 
+use super::look::{LookOptions, look};
 use super::summary::{MachineSummary, summary};
 use crate::diagnostic::{Diagnostics, WarningRecord};
 use crate::job::job_file::{Job, JobPaths};
@@ -99,6 +100,13 @@ fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile 
         Err(refusal) => (None, refusal),
     };
     diagnostics.absorb(of_job);
+    // Its warnings count.
+    let drawn = machine.as_ref().map(|machine| look(machine, &LookOptions { max_triangles: usize::MAX }, run));
+    match drawn {
+        Some(Ok(answer)) => diagnostics.absorb(answer.warnings),
+        Some(Err(failure)) => diagnostics.absorb(failure),
+        None => (),
+    }
     CheckedFile { file, machine, diagnostics }
 }
 

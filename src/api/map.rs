@@ -19,6 +19,7 @@ use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::path::{LargestStep, PathResult};
+use crate::job::played::played;
 use crate::job::poses::axis_positions;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::Machine;
@@ -153,6 +154,8 @@ fn volume(
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
     let features = tool_poses.as_ref().map(|of| features(field, of, view, replayed.is_none(), set_up.removed()));
     let features = features.unwrap_or_default();
+    let rows_of = |of| played(field, of, view, replayed.is_none(), set_up.removed());
+    let played = tool_poses.as_ref().filter(|_| options.played).map(rows_of).unwrap_or_default();
     let (conditions, removed, bare) = (view.conditions, set_up.removed(), replayed.is_none());
     let valued = ValuedField { field, conditions, removed, bare, seed: options.seed };
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
@@ -191,6 +194,7 @@ fn volume(
         uncompensated,
         uncertainty,
         p95_over_volume,
+        played,
         ..result
     })
 }

@@ -13,6 +13,7 @@ use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::path::PathResult;
+use crate::job::played::PlayedRow;
 use crate::job::poses::{AxisPositions, poses};
 use crate::job::reference::{Reference, ReferenceKind, SetUp, sample_for_unheld};
 use crate::job::reference_text::ReferenceOption;
@@ -61,6 +62,10 @@ pub struct MapOptions {
     pub tolerances: ToleranceOptions,
     /// Number of machines that are drawn, at least 2.
     pub samples: usize,
+    /// True if [`MapResult::played`] is wanted, for the page alone.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub played: bool,
 }
 
 impl Default for MapOptions {
@@ -80,6 +85,7 @@ impl Default for MapOptions {
             compensation: CompensationOptions::default(),
             tolerances: ToleranceOptions::default(),
             samples: 1000,
+            played: false,
         }
     }
 }
@@ -256,6 +262,9 @@ pub struct MapResult {
     /// The same without compensation, for a map with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncompensated: Option<Uncompensated>,
+    /// The rows of a work one by one, where they were asked for.
+    #[serde(skip)]
+    pub played: Vec<PlayedRow>,
     /// Numbers of nodes along the axes, for the grid of the volume.
     #[serde(skip)]
     pub grid: Option<Vec<usize>>,
@@ -284,6 +293,7 @@ impl MapResult {
             rotation_urad: statistics.rotation_urad,
             uncertainty: None,
             p95_over_volume: None,
+            played: Vec::new(),
             beyond_measured: BeyondMeasured::of(rows.machine, rows.poses),
             worst: Vec::new(),
             diagonals: Vec::new(),

@@ -33,6 +33,7 @@ pub(crate) mod identify;
 pub(crate) mod import;
 pub(crate) mod instrument;
 pub(crate) mod locate;
+pub(crate) mod look;
 pub(crate) mod map;
 pub(crate) mod map_bounds;
 pub(crate) mod map_result;

@@ -5,6 +5,7 @@ pub use super::enumerate::JudgedBy;
 pub use super::figures::StandardTest;
 pub use super::import::{Acceptance, FileContents, RunApproach, StraightnessLine};
 pub use super::instrument::Instrument;
+pub use super::look::LookOptions;
 pub use super::map_result::MapPoses;
 pub use super::map_tables::MapTable;
 pub use super::replay::ReplayPosition;

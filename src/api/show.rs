@@ -2,7 +2,7 @@
 
 use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
 use crate::job::machine_file::{InputFile, MachineFile};
-use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
+use crate::machine::{Axis, AxisKind, BodyMesh, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture, rotation_words};
 
 /// The kinematic chain of a machine.
@@ -20,6 +20,10 @@ pub struct ChainResult {
     pub workpiece_origin_mm: [f64; 3],
     /// Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg.
     pub workpiece_rotation_deg: [f64; 3],
+    /// Unit vector upwards in the picture, in machine coordinates; none where the file states none.
+    pub up: Option<[f64; 3]>,
+    /// Meshes that bodies are drawn by.
+    pub look: Vec<ChainMesh>,
     /// The conventions in force.
     pub conventions: Conventions,
     /// The location errors.
@@ -70,6 +74,21 @@ pub struct OtherSide {
     pub travel: [f64; 2],
     /// True if the axis turns without end.
     pub continuous: bool,
+}
+
+/// A mesh that a body is drawn by.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct ChainMesh {
+    /// `bed`, `workpiece`, `tool`, or the name of an axis.
+    pub body: String,
+    /// Path of its file.
+    pub file: String,
+    /// Unit of its coordinates, mm; null for that of its format.
+    pub unit_mm: Option<f64>,
+    /// Place of its origin, mm.
+    pub origin_mm: [f64; 3],
+    /// Angles A, B, C by which it is turned about X, then Y, then Z, deg.
+    pub rotation_deg: [f64; 3],
 }
 
 /// A lever arm, mm.
@@ -144,9 +163,29 @@ pub fn show(file: &MachineFile) -> ChainResult {
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
         workpiece_rotation_deg: file.workpiece_angles(),
+        up: file.look.up,
+        look: drawn_meshes(file).map(chain_mesh).collect(),
         conventions: *file.conventions(),
         location_errors: LocationErrors { set: set.members.into_iter().map(member).collect(), besides: set.besides },
         inputs: file.input_files().to_vec(),
+    }
+}
+
+/// Returns the meshes of bodies that the machine has; variants drop axes.
+pub(super) fn drawn_meshes(file: &MachineFile) -> impl Iterator<Item = &BodyMesh> {
+    let is_there = |body: &str| {
+        ["bed", "workpiece", "tool"].contains(&body) || file.axes().iter().any(|axis| axis.name.as_str() == body)
+    };
+    file.look.meshes.iter().filter(move |mesh| is_there(&mesh.body))
+}
+
+fn chain_mesh(of: &BodyMesh) -> ChainMesh {
+    ChainMesh {
+        body: of.body.clone(),
+        file: of.path.display().to_string(),
+        unit_mm: of.unit_mm,
+        origin_mm: of.origin,
+        rotation_deg: of.rotation,
     }
 }
 

@@ -293,6 +293,8 @@ codes! {
     W0850 "the part is not zeroed",
     W0851 "a path that needs rewinds",
     W0852 "the job of a machine file gives way",
+    W0853 "a mesh is not drawn",
+    W0854 "parts of a mesh are not drawn",
 }
 
 /// Finds a code by its name, in any case.

@@ -6,7 +6,7 @@ use crate::analysis::budget::{Bound, PoseByPose};
 use crate::analysis::reference::{ErrorEffects, PartReference};
 use crate::analysis::{View, deviation_in};
 use crate::evaluate::{Field, quantile_95};
-use crate::machine::{ErrorTerm, Machine};
+use crate::machine::{ErrorId, ErrorTerm, Machine};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 
@@ -128,16 +128,25 @@ pub(crate) fn bounded_features(
     grouped(machine, reached, &um, &effects)
 }
 
-/// Returns the errors with the largest parts along the deviation at a pose.
-fn dominating(field: &dyn Field, pose: &[f64], view: View, effects: &ErrorEffects<'_>) -> Vec<DominatingError> {
+/// Returns the part of each error with a value along the deviation at a pose, first order, um.
+pub(super) fn parts_along(
+    field: &dyn Field,
+    pose: &[f64],
+    view: View,
+    effects: &ErrorEffects<'_>,
+) -> Vec<(ErrorId, f64)> {
     let machine: &Machine = field.machine();
     let all = field.deviation(&view.conditions.at_pose(pose)).position.try_normalize(0.0).unwrap_or_default();
     let valued = machine.errors().map(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
     let parts = effects.at(pose).into_iter().zip(valued).filter(|(_, valued)| *valued);
-    let part = |((error, deviation), _): ((crate::machine::ErrorId, crate::evaluate::Deviation), bool)| {
-        DominatingError { error: error.to_string(), um: deviation.position.dot(&all) * 1e3 }
-    };
-    let mut parts: Vec<DominatingError> = parts.map(part).filter(|part| part.um != 0.0).collect();
+    parts.map(|((error, deviation), _)| (error, deviation.position.dot(&all) * 1e3)).collect()
+}
+
+/// Returns the errors with the largest parts along the deviation at a pose.
+fn dominating(field: &dyn Field, pose: &[f64], view: View, effects: &ErrorEffects<'_>) -> Vec<DominatingError> {
+    let part = |(error, um): (ErrorId, f64)| DominatingError { error: error.to_string(), um };
+    let parts = parts_along(field, pose, view, effects).into_iter().map(part);
+    let mut parts: Vec<DominatingError> = parts.filter(|part| part.um != 0.0).collect();
     parts.sort_by(|a, b| b.um.abs().total_cmp(&a.um.abs()));
     parts.truncate(DOMINATING);
     parts

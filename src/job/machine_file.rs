@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
-use crate::machine::{self, ErrorTerm, Machine};
+use crate::machine::{self, ErrorTerm, Look, Machine};
 use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
 use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles, TravelEntry};
 use crate::units::counted;
@@ -15,6 +15,8 @@ pub struct MachineFile {
     pub(crate) machine: Machine,
     pub(crate) identify: Option<IdentifyEntry>,
     pub(crate) job: Option<JobText>,
+    /// Drawing directions.
+    pub(crate) look: Look,
     pub(crate) sources: Sources,
     pub(crate) path: PathBuf,
     /// True if its tool was asked for by name.
@@ -174,6 +176,7 @@ impl Files for Overlay<'_> {
 fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) -> Result<MachineFile, Refused> {
     let document = syntax::load(path, files, &mut call.diagnostics);
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
+    let look = document.as_ref().map(|d| machine::look(d, files, &mut call.diagnostics)).unwrap_or_default();
     call.check()?;
     let machine = machine.ok_or(Refused)?;
     let travels = document.iter().flat_map(|d| d.axes.values().flatten()).filter_map(|axis| axis.travel.as_ref());
@@ -187,6 +190,7 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
         machine,
         identify,
         job,
+        look,
         sources,
         path,
         is_tool_asked,

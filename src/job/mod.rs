@@ -15,6 +15,7 @@
 //! - [`test_piece`]: test pieces of standards as jobs;
 //! - [`path`]: what tool poses ask of a machine as one path;
 //! - [`round_features`]: those that are round, with their profile over the angle;
+//! - [`played`]: the rows of a work one by one;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
 pub mod characteristics;
@@ -28,6 +29,7 @@ pub mod path;
 pub mod place_grid;
 pub mod place_study;
 pub mod placement;
+pub mod played;
 pub mod poses;
 pub mod reference;
 pub mod reference_text;

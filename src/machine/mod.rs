@@ -23,6 +23,7 @@ mod joint;
 mod joint_uncertainty;
 mod kind;
 mod knots;
+mod look;
 mod model;
 mod name;
 mod operating_point;
@@ -51,11 +52,12 @@ pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use joint_uncertainty::JointUncertainty;
 pub use kind::ErrorKind;
 pub use knots::{Knots, KnotsFailure};
+pub use look::{BodyMesh, Look};
 pub use model::{AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, Tool, axis_positions};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{Approach, CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
 pub use resolve::{
-    CLASS_ANGLES, FITTED_GROUPS, largest, largest_stated, no_origin, parse_error_name, plausible_size, questions,
+    CLASS_ANGLES, FITTED_GROUPS, largest, largest_stated, look, no_origin, parse_error_name, plausible_size, questions,
     resolve,
 };
 pub use set_up::SetUp;

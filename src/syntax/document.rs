@@ -62,6 +62,10 @@ pub struct Document {
     pub identify: Option<IdentifyEntry>,
     /// The job that the machine is judged on, before its form is judged: see [`JobText`].
     pub job: Option<JobText>,
+    /// Upwards in the picture, in machine coordinates.
+    pub up: Option<Vec<Scalar>>,
+    /// Meshes by the body that they are drawn for.
+    pub look: Entries<MeshEntry>,
     /// The places of all entries.
     pub places: Places,
     /// The chains under which the geometry of axes was written.
@@ -141,6 +145,36 @@ pub struct WorkpieceEntry {
     /// Rotation of its coordinates, deg: by A, then B, then C about X, Y, Z of the machine.
     #[schemars(schema_with = "super::schema_forms::workpiece_rotation")]
     pub rotation: IndexMap<String, Scalar>,
+}
+
+/// The mesh of a body: its file, or that with what places it.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeshFields {
+    /// Path of an STL, OBJ or glTF file, from the folder of this file.
+    #[schemars(schema_with = "super::schema_forms::path")]
+    pub mesh: Option<String>,
+    /// Unit of its coordinates; mm for STL and OBJ, m for glTF by default.
+    #[schemars(schema_with = "super::schema_forms::unit_of_length")]
+    pub unit: Option<String>,
+    /// Place of its origin in machine coordinates at the zero pose; of `workpiece` in the workpiece frame.
+    #[schemars(schema_with = "super::schema_forms::point")]
+    pub origin: Option<Vec<Scalar>>,
+    /// Its rotation, deg: by A, then B, then C about X, Y, Z.
+    #[schemars(schema_with = "super::schema_forms::workpiece_rotation")]
+    pub rotation: IndexMap<String, Scalar>,
+}
+
+/// `ram.stl` is short for `{ mesh: ram.stl }`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshEntry(MeshFields);
+
+impl std::ops::Deref for MeshEntry {
+    type Target = MeshFields;
+
+    fn deref(&self) -> &MeshFields {
+        &self.0
+    }
 }
 
 /// Conventions: the name of a preset, single choices, or both.
@@ -368,7 +402,7 @@ pub enum SquarenessSite {
 }
 
 /// Top-level keys.
-pub const SECTIONS: [&str; 21] = [
+pub const SECTIONS: [&str; 23] = [
     "abbe",
     "machine",
     "chain",
@@ -390,6 +424,8 @@ pub const SECTIONS: [&str; 21] = [
     "algebra",
     "identify",
     "job",
+    "up",
+    "look",
 ];
 
 /// Takes sections out of the merged tree.
@@ -470,6 +506,8 @@ impl Document {
             algebra: reader.section("algebra"),
             identify: reader.section("identify"),
             job: reader.map.remove("job").map(|value| JobText::of_machine(value, reader.places.clone())),
+            up: reader.section("up"),
+            look: reader.entries("look"),
             places: Places::default(),
             chains: layer.chains,
             moved_gauges: layer.moved_gauges,
@@ -550,6 +588,18 @@ impl Forms for PresetOr {
     }
 }
 
+impl Forms for MeshEntry {
+    const EXPECTING: &'static str = "the path of a mesh, or a mapping such as { mesh: ram.stl, unit: m }";
+
+    fn scalar(file: Scalar) -> Option<Self> {
+        Some(Self(MeshFields { mesh: Some(file.to_string()), ..MeshFields::default() }))
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        MeshFields::deserialize(MapAccessDeserializer::new(map)).map(Self)
+    }
+}
+
 impl Forms for ControllerEntry {
     const EXPECTING: &'static str = "a letter or a number, or both: [A, 6]";
 
@@ -574,4 +624,4 @@ impl Forms for GeneratorsEntry {
     }
 }
 
-deserialize_by_forms!(VolumeEntry, PresetOr, WalkText, ControllerEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, MeshEntry, PresetOr, WalkText, ControllerEntry, GeneratorsEntry);

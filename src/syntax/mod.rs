@@ -36,8 +36,8 @@ mod yaml;
 pub use disk::Disk;
 pub use document::{
     AlgebraEntry, AxisEntry, ControllerEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero,
-    Document, FormEntry, GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry,
-    VolumeAxis,
+    Document, FormEntry, GeneratorsEntry, IdentifyEntry, MeshEntry, PlausibleEntry, SetUpEntry, SquarenessSite,
+    ToolEntry, VolumeAxis,
 };
 pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};

@@ -4,8 +4,8 @@
 //! may remove what its base says.
 
 use super::document::{
-    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, IdentifyEntry, SetUpEntry, ToolEntry, VolumeFields,
-    WorkpieceEntry,
+    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, IdentifyEntry, MeshFields, SetUpEntry, ToolEntry,
+    VolumeFields, WorkpieceEntry,
 };
 use super::geometry::Branches;
 use super::schema_errors::{self, errors};
@@ -112,7 +112,11 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
         "setup": or_null("Set-up errors.", object::<SetUpEntry>(generator)),
         "algebra": or_null("The algebra in which errors are followed.", object::<AlgebraEntry>(generator)),
         "identify": or_null("What `identify` fits.", object::<IdentifyEntry>(generator)),
-        "job": or_null("The job that the machine is judged on.", job())
+        "job": or_null("The job that the machine is judged on.", job()),
+        "up": or_null("Upwards in the picture, in machine coordinates; by default it follows from the chain.", json!({
+            "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3
+        })),
+        "look": or_null("Meshes by body: bed, workpiece, tool, or an axis. For the picture alone.", look(generator))
     })
 }
 
@@ -179,6 +183,17 @@ fn axes(generator: &mut SchemaGenerator) -> Value {
         "type": "object",
         "properties": known,
         "patternProperties": { format!("^{AXIS}$"): or_null("An axis.", entry) },
+        "additionalProperties": false
+    })
+}
+
+/// Meshes by body.
+fn look(generator: &mut SchemaGenerator) -> Value {
+    let path = json!({ "type": "string", "minLength": 1, "maxLength": 4096 });
+    let entry = any(vec![path, object::<MeshFields>(generator), json!({ "type": "null" })]);
+    json!({
+        "type": "object",
+        "patternProperties": { format!("^(bed|workpiece|tool|{AXIS})$"): entry },
         "additionalProperties": false
     })
 }

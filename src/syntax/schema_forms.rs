@@ -258,6 +258,16 @@ pub fn workpiece_rotation(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// The path of a file.
+pub fn path(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "string", "minLength": 1, "maxLength": 4096 })
+}
+
+/// A unit of length.
+pub fn unit_of_length(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "enum": ["nm", "um", "mm", "cm", "m", "in"] })
+}
+
 /// 1 to 6.
 pub fn degree(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": ["integer", "null"], "minimum": 1, "maximum": 6 })

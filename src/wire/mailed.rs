@@ -21,6 +21,9 @@ const MAX_POSES: usize = 200;
 /// Number of machines that the page draws for what bounds lead to at a pose.
 const POSE_SAMPLES: usize = 300;
 
+/// Maximum number of triangles by which a mailed machine is drawn: half a megabyte at most.
+const MAX_TRIANGLES: usize = 20_000;
+
 /// Maximum number of machines with which the page compares another.
 const MAX_COMPARED: usize = 6;
 
@@ -70,6 +73,7 @@ fn settings(options: &ReportOptions) -> Value {
         "map": with_bounds(json!({"seed": seed, "order": order, "approach": approach})),
         "sources": {"seed": seed, "order": order, "approach": approach},
         "budget": with_bounds(json!({"seed": seed, "poses": poses})),
+        "look": {"max_triangles": MAX_TRIANGLES},
         "compare": with_bounds(json!({"seed": seed, "poses": poses, "samples": samples})),
     })
 }
@@ -89,6 +93,9 @@ fn asked(file: &MachineFile, others: &[&str], options: &ReportOptions, settings:
     let (mut questions, over) = (questions(options, settings), over(options));
     if let [first, more @ ..] = others {
         questions.push(json!({"compare": {"first": first, "more": more, "options": settings["compare"]}}));
+    }
+    if !file.look.meshes.is_empty() {
+        questions.push(json!({"look": settings["look"]}));
     }
     let known = |questions: &[Value], over: &Value| -> Vec<Value> {
         let pairs = questions.iter().zip(ask(questions, over));

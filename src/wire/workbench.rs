@@ -4,6 +4,7 @@
 //! once, and every answer has the shape that the verb of the program prints with `--format json`.
 
 use super::share::{MapPart, MapShare};
+use crate::api::look::{LookOptions, LookResult, look};
 use crate::api::map::map_of_parts;
 use crate::api::map_result::MapPoses;
 use crate::api::map_tables::MapTable;
@@ -19,6 +20,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::job_file::{JobPaths, NO_JOB};
 use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
+use crate::job::played::PlayedRow;
 use crate::job::reference::Reference;
 use crate::job::tool_poses::RowTip;
 use crate::report::RowFormat;
@@ -164,6 +166,8 @@ pub enum Question {
     Compare(Box<CompareWith>),
     /// Readings of a measuring instrument.
     Instrument(InstrumentOptions),
+    /// The meshes that the machine is drawn by, with a sentence on their size.
+    Look(LookOptions),
     /// The controllers, in short.
     Targets,
     /// The errors that are one number, wherever it stands, by name.
@@ -336,6 +340,7 @@ impl Question {
                 }
             }
             Self::Instrument(options) => document(instrument(machine, options, run)),
+            Self::Look(options) => document(look(machine, options, run).map(with_size)),
             Self::Targets => json!(targets()),
             Self::Numbers => json!(error_numbers(machine)),
             Self::Words => json!(all_words(machine)),
@@ -356,6 +361,19 @@ struct ReasonedReach {
 fn with_reasons(answer: Answer<ReachResult>) -> Answer<ReasonedReach> {
     let reasons = answer.value.lacks.iter().map(|lack| lack.words("tool pose")).collect();
     Answer { value: ReasonedReach { reach: answer.value, reasons }, warnings: answer.warnings }
+}
+
+/// Meshes, with a sentence on their size.
+#[derive(Serialize)]
+struct SizedLook {
+    #[serde(flatten)]
+    look: LookResult,
+    words: Option<String>,
+}
+
+fn with_size(answer: Answer<LookResult>) -> Answer<SizedLook> {
+    let words = answer.value.words();
+    Answer { value: SizedLook { look: answer.value, words }, warnings: answer.warnings }
 }
 
 #[derive(Serialize)]
@@ -385,6 +403,8 @@ struct WorkRows {
     #[serde(flatten)]
     found: MapRows,
     tips: Vec<RowTip>,
+    /// The reached rows one by one; empty where errors are only bounded.
+    played: Vec<PlayedRow>,
     /// Poses and reference of the figures, in words.
     over: String,
     /// The verdict of the limit of the job, in words.
@@ -400,10 +420,11 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRow
         (None, Some(tool_poses)) => (MapPoses::ToolPoses(tool_poses), reference),
         (None, None) => (MapPoses::Grid, reference),
     };
-    let options = MapOptions { poses, samples, target, reference, path, ..map };
-    let Answer { value: found, warnings } = rows(machine, &options, run)?;
+    let options = MapOptions { poses, samples, target, reference, path, played: true, ..map };
+    let Answer { value: mut found, warnings } = rows(machine, &options, run)?;
+    let played = std::mem::take(&mut found.map.played);
     let (over, limit) = (found.map.over.line(), found.map.limit.as_ref().map(LimitVerdict::words));
-    Ok(Answer { value: WorkRows { found, tips, over, limit }, warnings })
+    Ok(Answer { value: WorkRows { found, tips, played, over, limit }, warnings })
 }
 
 /// A part at places of the table, with the picture.

@@ -28,7 +28,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 48] = [
+const CHECKS: [checks::Check; 51] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -69,7 +69,10 @@ const CHECKS: [checks::Check; 48] = [
     ("nothing is cut at 390 px, panel by panel", meeting::narrow),
     ("only the page of the workbench may ask and save", workbench::tokens),
     ("a frame of the picture is few draw calls, whatever is dragged", frames::draw_calls),
+    ("an idle page draws nothing, and a figure of a held slider takes few questions", frames::idle),
     ("views, names and arms stand over the picture, and the address keeps them", reader::views),
+    ("meshes that the file names stand for the castings, and what is spoiled is named", reader::meshes),
+    ("the path is played, and each row says its deviation and the axes that make it", reader::played),
     ("figures are read in micro-inch and arcsec everywhere, and kept so", reader::units),
     ("the report below is read in the same units", reader::report_units),
     ("a first page has machine, verdict and answers, in letters of 8 pt", reader::paper),

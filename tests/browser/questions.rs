@@ -41,12 +41,18 @@ pub fn form() {
     {
         shot(&bench, name, scheme, size);
     }
+    // Code is set as such, and a chain stays on one line.
+    let raw = "return document.getElementById('questions').textContent.includes('`');";
+    assert_eq!(bench.browser.run(raw), false, "backticks are shown");
+    let lines = "return [...document.querySelectorAll('#questions code')].map((of) => of.getClientRects().length);";
+    let lines = bench.browser.run(lines);
+    assert!(lines.as_array().unwrap().iter().all(|count| *count == 1), "{lines}");
     answer(&bench, "kind", "1");
     wait(&bench.browser, "return !document.querySelector('#questions [data-key=\"travel A\"]');");
     answer(&bench, "travel X", "600 0");
     wait(&bench.browser, "return document.getElementById('take-machine').disabled;");
     let words = "document.querySelector('#questions [data-key=\"travel X\"] em').textContent";
-    wait(&bench.browser, &format!("return {words} === 'Wanted: two numbers, the lower end first, such as `0 500`.';"));
+    wait(&bench.browser, &format!("return {words} === 'Wanted: two numbers, the lower end first, such as 0 500.';"));
     answer(&bench, "travel X", "0 620");
     answer(&bench, "known", "2");
     answer(&bench, "accuracy Y", "8");

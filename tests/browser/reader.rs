@@ -274,3 +274,142 @@ pub fn views() {
     wait(&bench.browser, "return document.getElementById('arms')?.getAttribute('aria-pressed') === 'true';");
     bench.quiet();
 }
+
+/// A binary STL of a box between two corners.
+fn block(low: [f32; 3], high: [f32; 3]) -> Vec<u8> {
+    let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let halves = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+    let mut bytes = [vec![0; 80], 12_u32.to_le_bytes().to_vec()].concat();
+    for half in halves {
+        bytes.extend([0.0_f32; 3].into_iter().chain(half.into_iter().flat_map(corner)).flat_map(f32::to_le_bytes));
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
+/// Share of the picture that is plainly red.
+const RED: &str = "return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {
+    const canvas = document.querySelector('#stage canvas'), copy = document.createElement('canvas');
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const brush = copy.getContext('2d');
+    brush.drawImage(canvas, 0, 0);
+    const {data} = brush.getImageData(0, 0, copy.width, copy.height);
+    let red = 0;
+    for (let i = 0; i < data.length; i += 4) red += data[i + 3] > 200 && data[i] > 60 && data[i] > 3 * data[i + 1];
+    done(red / (copy.width * copy.height));
+})));";
+
+/// Meshes that the file names stand for the castings, on the workbench and in a mailed page; what cannot be drawn is
+/// named, and the machine stays.
+pub fn meshes() {
+    let folder = Folder::new("meshes");
+    let at = |name: &str| folder.0.join(name).display().to_string();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(at(name), bytes).unwrap();
+    write("ram.stl", &block([150.0, 100.0, -20.0], [350.0, 350.0, 500.0]));
+    write(
+        "part.obj",
+        b"mtllib part.mtl\nusemtl red\nv 0 0 0\nv 150 0 0\nv 0 150 0\nv 0 0 120\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+    );
+    write("part.mtl", b"newmtl red\nKd 0.9 0.02 0.02\nmap_Kd photo.png\n");
+    let text = std::fs::read_to_string("configs/trunnion.yaml").unwrap();
+    let look =
+        format!("look:\n  Z: {}\n  workpiece: {{ mesh: {}, origin: [-60, -60, 0] }}\n", at("ram.stl"), at("part.obj"));
+    let bench = Bench::new("bench-meshes", &format!("{text}{look}"), (1400, 900));
+    wait(&bench.browser, "return document.getElementById('look').textContent === 'meshes of 16 triangles';");
+    let red = |bench: &Bench| bench.browser.run(RED).as_f64().unwrap();
+    assert!(red(&bench) > 0.001, "{}", red(&bench));
+    let told = "return document.getElementById('problem').innerText;";
+    let said = bench.browser.run(told);
+    assert!(said.as_str().unwrap().contains("are left out: textures"), "{said}");
+    bench.browser.screenshot(&kept().join("workbench-meshes.png"), false);
+    // Another file on the disk is another picture; one that cannot be read gives way to the castings.
+    write("part.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    wait(&bench.browser, "return document.getElementById('look').textContent === 'meshes of 12 triangles';");
+    let said = bench.browser.run(told);
+    assert!(said.as_str().unwrap().contains("not a finite number"), "{said}");
+    assert!(red(&bench) < 1e-4, "{}", red(&bench));
+    let triangles = bench.browser.run("return Number(document.querySelector('#stage canvas').dataset.triangles);");
+    assert!(triangles.as_f64().unwrap() > 100.0, "{triangles}");
+    bench.agrees();
+    write(
+        "part.obj",
+        b"mtllib part.mtl\nusemtl red\nv 0 0 0\nv 150 0 0\nv 0 150 0\nv 0 0 120\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+    );
+    let page = folder.0.join("page.html");
+    let made =
+        crate::abbe().args(["report", "--quiet", "--samples", "20", "--out"]).arg(&page).arg(&bench.file).status();
+    assert!(made.unwrap().success());
+    drop(bench);
+    for name in ["part.obj", "ram.stl"] {
+        std::fs::remove_file(at(name)).unwrap();
+    }
+    let browser = Browser::new(1400, 900);
+    browser.open_file(&page);
+    wait(&browser, "return document.getElementById('look')?.textContent === 'meshes of 16 triangles';");
+    assert!(browser.run(RED).as_f64().unwrap() > 0.001);
+    browser.screenshot(&kept().join("mailed-meshes.png"), false);
+    assert_eq!(browser.complaints(), []);
+}
+
+/// The path is played, paused, stepped and dragged: the machine follows, and a row says what the library says of it.
+pub fn played() {
+    let bench = Bench::of_config("bench-played", "trunnion.yaml");
+    let work = bench.file.with_file_name("work.csv");
+    // Round a pole of C, and over a corner.
+    let mut rows = "X,Y,Z,I,J,K\n".to_owned();
+    for k in 0..=20 {
+        let lean = f64::from(k - 10) * 0.04;
+        rows += &format!("{},{},30,{},0.001,1\n", 2 * k, k, lean);
+    }
+    std::fs::write(&work, rows).unwrap();
+    bench.click("tab-part");
+    fill(&bench, "path", "yes");
+    fill(&bench, "work", work.to_str().unwrap());
+    wait(&bench.browser, "return document.getElementById('play-words') !== null;");
+    let words = |bench: &Bench| {
+        bench.browser.run("return document.getElementById('play-words').textContent;").as_str().unwrap().to_owned()
+    };
+    assert!(words(&bench).starts_with("Line 2: "), "{}", words(&bench));
+    let note = bench.browser.run("return document.getElementById('player').textContent;");
+    assert!(note.as_str().unwrap().contains("No collision test"), "{note}");
+    let texts = json!({"machine": bench.file, "questions": [{"work": {"tool_poses": work, "path": true}}]});
+    let found = abbe::workbench(&texts.to_string(), abbe::Run::on_disk())["answers"][0].clone();
+    let path = &found["map"]["path"];
+    let events = path["rewinds"].as_array().unwrap().len() + path["pole_crossings"].as_array().unwrap().len();
+    let drawn = bench.browser.run("return document.querySelectorAll('#player .marks button').length;");
+    assert!(events > 0 && drawn == events, "{drawn} {path}");
+    bench.click("play-next");
+    let row = &found["played"][1];
+    let said = words(&bench);
+    let number = |text: &str| text.trim().replace('−', "-").parse::<f64>().unwrap();
+    let (line, rest) = said.split_once(": ").unwrap();
+    let (across, rest) = rest.split_once(" µm across the surface, ").unwrap();
+    let along = rest.split(" µm along it").next().unwrap();
+    assert_eq!(line, "Line 3");
+    for (shown, truth) in [(across, &row["across_um"]), (along, &row["along_um"])] {
+        assert!((number(shown) - truth.as_f64().unwrap()).abs() < 0.06, "{shown} for {truth}");
+    }
+    let (axis, _) = row["axes"].as_object().unwrap().iter().next().unwrap();
+    assert!(rest.contains(&format!("by axis, along it: {axis} ")), "{said}");
+    let position = "return Number(document.getElementById('axis-X').value);";
+    let x = found["rows"]["poses"][1]["axes"]["X"].as_f64().unwrap();
+    wait(&bench.browser, &format!("return Math.abs(Number(document.getElementById('axis-X').value) - {x}) < 0.01;"));
+    // It plays, and stands where it is paused.
+    bench.click("play");
+    wait(&bench.browser, "return Number(document.getElementById('play-at').value) > 8;");
+    assert_eq!(bench.browser.run("return document.getElementById('play').textContent;"), "Pause");
+    bench.click("play");
+    let paused = bench.browser.run("return Number(document.getElementById('play-at').value);").as_f64().unwrap();
+    let there = bench.browser.run(position);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert_eq!(bench.browser.run("return Number(document.getElementById('play-at').value);").as_f64(), Some(paused));
+    assert_eq!(bench.browser.run(position), there);
+    bench.browser.screenshot(&kept().join("workbench-played.png"), false);
+    fill(&bench, "play-speed", "30");
+    bench.click("play");
+    wait(&bench.browser, "const at = document.getElementById('play-at'); return at.value === at.max;");
+    wait(&bench.browser, "return document.getElementById('play').textContent === 'Play';");
+    assert!(words(&bench).starts_with("Line 22: "), "{}", words(&bench));
+    bench.quiet();
+}

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 
 /// Imports of each module besides itself; `units`, `diagnostic` and `algebra` are open to all, `run` to all above
 /// `syntax`. The program has the library as a package: `rooms.rs` holds it to the façade.
-const MAY_IMPORT: [(&str, &[&str]); 22] = [
+const MAY_IMPORT: [(&str, &[&str]); 23] = [
     ("units", &[]),
     ("diagnostic", &["units"]),
     ("algebra", &[]),
     ("syntax", &["units", "diagnostic"]),
     ("run", &["syntax"]),
     ("machine", &["syntax"]),
+    ("mesh", &["syntax"]),
     ("lower", &["machine"]),
     ("evaluate", &["lower", "machine"]),
     ("standards", &["machine", "syntax"]),
@@ -42,6 +43,7 @@ const MAY_IMPORT: [(&str, &[&str]); 22] = [
             "job",
             "lower",
             "machine",
+            "mesh",
             "record",
             "report",
             "shards",

@@ -27,6 +27,7 @@ import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Beside } from "./machine/beside";
 import { Deviation } from "./machine/deviation";
+import { Looks } from "./machine/look";
 import { Stage, type View } from "./machine/stage";
 import { Acceptance } from "./review/acceptance";
 import { Answers } from "./review/answers";
@@ -110,6 +111,7 @@ class Workbench {
   private readonly curve: AxisCurve;
   private readonly beside: Beside;
   private readonly cards = new Cards();
+  private readonly looks: Looks;
   private readonly reach: ReachLine;
   private readonly tighten: Tighten;
   private readonly variants: Variants;
@@ -145,6 +147,10 @@ class Workbench {
     new Pane(byId("file"), (does) => this.editor.wrap(does));
     this.whatif = new WhatIf(byId("whatif"), this.editor);
     this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
+    this.looks = new Looks(this.session, this.problems, (surfaces) => {
+      this.stage?.dress(surfaces);
+      this.beside.dress(surfaces);
+    });
     this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session, () => this.beside.view);
     const failed = (failure: unknown) => this.problems.outdates("figures", said(failure));
     this.reach = new ReachLine(byId("reach"), this.session, failed);
@@ -161,6 +167,7 @@ class Workbench {
       session,
       this.stage,
       (pose) => this.sliders.go(pose),
+      (pose, rests) => this.sliders.stand(pose, rests),
       () => this.verdict.again(),
       () => session.refresh(),
       tell,
@@ -245,9 +252,15 @@ class Workbench {
       const isNews = found.text !== before && this.session.kept === before;
       if (found.text !== null && isNews && found.text !== this.theirs) this.takeOver(found.text);
       if (found.text === before && this.theirs !== null) this.agrees();
-      if (found.changes !== seen) this.session.refresh();
+      if (found.changes !== seen) this.changes();
       seen = found.changes;
     }
+  }
+
+  /** A file that answers were computed from is another one. */
+  private changes(): void {
+    this.looks.forget();
+    this.session.refresh();
   }
 
   private isLost = false;
@@ -316,6 +329,8 @@ class Workbench {
     this.session.refresh();
   }
 
+  private readonly fails = (failure: unknown) => this.problems.outdates("figures", said(failure));
+
   private get isChanged(): boolean {
     return this.editor.text !== this.session.kept;
   }
@@ -380,6 +395,7 @@ class Workbench {
     this.acceptance.show(state);
     this.panels.answers.classList.toggle("stale", !isSettled(state));
     if (!state.stale) void this.learn();
+    if (isSettled(state)) void this.looks.follow(state.now.chain).catch(this.fails);
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
     document.body.toggleAttribute("data-reduced", state.effort.isReduced);
   }

@@ -124,3 +124,29 @@ test("all corners of every machine are finite, with any part on it", { skip }, (
     }
   }
 });
+
+test("every machine stands upright by any vertical that its file states", { skip: !program && "no program" }, () => {
+  const ways: Vec3[] = [
+    [1, 0, 0],
+    [-1, 0, 0],
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+    [0, 0, -1],
+  ];
+  for (const machine of machines()) {
+    const chain = chainOf(machine);
+    for (const up of ways) {
+      const of = layout({ ...chain, up }, "");
+      assert.ok(of, machine);
+      assert.deepEqual(of.up, up);
+      const across = of.right.reduce((sum, x, i) => sum + x * (up[i] ?? 0), 0);
+      assert.ok(Math.abs(across) < 1e-9 && Math.abs(Math.hypot(...of.right) - 1) < 1e-9, `${machine} ${up.join()}`);
+      for (const [body, shapes] of castings(of))
+        for (const { geometry } of shapes) {
+          const points = geometry.getAttribute("position").array;
+          assert.ok([...points].every(Number.isFinite), `${machine} ${up.join()}: ${body}`);
+        }
+    }
+  }
+});

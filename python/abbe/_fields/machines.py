@@ -52,6 +52,16 @@ class ChainTool(Record):
     direction: Annotated[list[float], "Unit vector of its axis, from the tip towards the spindle."]
 
 
+class ChainMesh(Record):
+    """A mesh that a body is drawn by."""
+
+    body: Annotated[str, "``bed``, ``workpiece``, ``tool``, or the name of an axis."]
+    file: Annotated[str, "Path of its file."]
+    unit_mm: Annotated[Union[float, None], "Unit of its coordinates, mm; null for that of its format."]
+    origin_mm: Annotated[list[float], "Place of its origin, mm."]
+    rotation_deg: Annotated[list[float], "Angles A, B, C by which it is turned about X, then Y, then Z, deg."]
+
+
 class Conventions(Record):
     """The conventions in force for a machine."""
 
@@ -96,6 +106,8 @@ class ChainResult(Record):
     tools: Annotated[list[ChainTool], "The tools."]
     workpiece_origin_mm: Annotated[list[float], "Origin of the workpiece in machine coordinates at the zero pose, mm."]
     workpiece_rotation_deg: Annotated[list[float], "Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg."]
+    up: Annotated[Union[list[float], None], "Unit vector upwards in the picture, in machine coordinates; none where the file states none."]
+    look: Annotated[list[ChainMesh], "Meshes that bodies are drawn by."]
     conventions: Annotated[Conventions, "The conventions in force."]
     location_errors: Annotated[LocationErrors, "The location errors."]
     inputs: Annotated[list[InputFile], "The files that the machine was read from."]

@@ -100,6 +100,7 @@ impl Args {
             compensation: self.how.options(),
             tolerances: self.bounds.options(),
             samples: self.samples.samples,
+            played: false,
         }
     }
 }

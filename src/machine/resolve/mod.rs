@@ -14,6 +14,7 @@ mod doubles;
 mod errors;
 mod found_errors;
 mod joint_names;
+mod look;
 mod names;
 mod parts;
 mod positions;
@@ -27,6 +28,7 @@ mod uses;
 mod volume;
 
 pub use errors::{largest, largest_stated, plausible_size};
+pub use look::look;
 pub use names::parse_error_name;
 pub use questions::questions;
 pub use sides::{CLASS_ANGLES, no_origin};

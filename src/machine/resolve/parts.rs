@@ -187,13 +187,20 @@ pub fn workpiece(context: &mut Context) -> Option<PositionDraft> {
 
 /// Returns the angles (deg) of the workpiece's rotation about X, Y and Z.
 pub fn workpiece_rotation(context: &mut Context) -> [f64; 3] {
+    let document = context.document;
+    let written = document.workpiece.as_ref().map(|workpiece| &workpiece.rotation);
+    written.map_or([0.0; 3], |written| rotation(context, written, &keys(["workpiece", "rotation"])))
+}
+
+/// Returns the angles (deg) of a rotation about X, Y and Z that is written at a place.
+pub fn rotation(context: &mut Context, written: &IndexMap<String, Scalar>, section: &Keys) -> [f64; 3] {
     let mut angles = [0.0; 3];
-    for (letter, scalar) in context.document.workpiece.iter().flat_map(|workpiece| &workpiece.rotation) {
-        let at = keys(["workpiece", "rotation", letter]);
+    for (letter, scalar) in written {
+        let at = below(section, letter);
         match ROTATION.iter().position(|known| known == letter) {
             Some(i) => angles[i] = context.position(scalar, AxisKind::Rotary, &at).unwrap_or(0.0),
             None => {
-                let message = format!("unknown key `{}` in `workpiece.rotation`", shown(letter));
+                let message = format!("unknown key `{}` in `{}`", shown(letter), dotted_path(section));
                 context.at_key(codes::E0201, &at, message, did_you_mean(letter, &ROTATION));
             }
         }

@@ -72,16 +72,27 @@ function fieldOf(question: MachineQuestion, answers: Answers, changed: () => voi
     const options = choices.map(({ answer }) => make("option", {}, answer));
     const input = choices.length ? make("select", {}, ...options) : make("input", { type: "text" });
     input.addEventListener("input", () => take(input.value));
-    return make("label", { "data-key": key }, make("span", {}, question.asked), input, make("em", { role: "status" }));
+    return make(
+      "label",
+      { "data-key": key },
+      make("span", {}, ...coded(question.asked)),
+      input,
+      make("em", { role: "status" }),
+    );
   }
   const choice = ({ answer, title, picture }: MachineQuestion["choices"][number]) => {
     const input = make("input", { type: "radio", name: key, value: answer });
     input.checked = answer === question.default;
     input.addEventListener("change", () => take(answer));
-    return make("label", {}, input, make("span", {}, title), ...(picture ? [make("pre", {}, picture)] : []));
+    return make("label", {}, input, make("span", {}, ...coded(title)), ...(picture ? [make("pre", {}, picture)] : []));
   };
-  const legend = make("legend", {}, question.asked);
+  const legend = make("legend", {}, ...coded(question.asked));
   return make("fieldset", { "data-key": key }, legend, ...choices.map(choice), make("em", { role: "status" }));
+}
+
+/** A text with what stands in backticks as code, which does not wrap. */
+function coded(text: string): (Node | string)[] {
+  return text.split("`").map((part, i) => (i % 2 ? make("code", {}, part) : part));
 }
 
 /** Shows the proposal where nothing is answered, and says what is wanted where an answer is not understood. */
@@ -92,5 +103,5 @@ function tell(field: HTMLElement, question: MachineQuestion, answers: Answers): 
   if (input instanceof HTMLInputElement) input.placeholder = question.default;
   input?.setAttribute("aria-invalid", String(!is_understood));
   const words = field.querySelector("em");
-  if (words) words.textContent = is_understood ? "" : `Wanted: ${wanted}.`;
+  if (words) words.replaceChildren(...(is_understood ? [] : coded(`Wanted: ${wanted}.`)));
 }

@@ -282,6 +282,20 @@ export interface ChainAxis {
   other_side: OtherSide | null;
 }
 
+/** A mesh that a body is drawn by. */
+export interface ChainMesh {
+  /** `bed`, `workpiece`, `tool`, or the name of an axis. */
+  body: string;
+  /** Path of its file. */
+  file: string;
+  /** Unit of its coordinates, mm; null for that of its format. */
+  unit_mm?: number | null;
+  /** Place of its origin, mm. */
+  origin_mm: [number, number, number];
+  /** Angles A, B, C by which it is turned about X, then Y, then Z, deg. */
+  rotation_deg: [number, number, number];
+}
+
 /** The kinematic chain of a machine. */
 export interface ChainResult {
   /** Name of the machine. */
@@ -296,6 +310,10 @@ export interface ChainResult {
   workpiece_origin_mm: [number, number, number];
   /** Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg. */
   workpiece_rotation_deg: [number, number, number];
+  /** Unit vector upwards in the picture, in machine coordinates; none where the file states none. */
+  up?: [number, number, number] | null;
+  /** Meshes that bodies are drawn by. */
+  look: ChainMesh[];
   /** The conventions in force. */
   conventions: Conventions;
   /** The location errors. */

@@ -18,6 +18,7 @@ export type Question =
   | { place: (Part | StatedPart) & { ranges: string; figure: boolean } }
   | { compare: { first: string; more: string[]; options: Options } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
+  | { look: Options }
   | "targets"
   | "numbers"
   | "words"
@@ -88,6 +89,7 @@ export interface Settings {
   sources: Options;
   budget: Options;
   compare: Options;
+  look: Options;
 }
 
 /** The defaults of the verbs. */
@@ -98,6 +100,7 @@ export const DEFAULTS: Settings = {
   sources: {},
   budget: {},
   compare: { poses: 1000 },
+  look: {},
 };
 
 /** Others wrote the file that the page would save; `theirs` is its text now, null where it cannot be read. */
@@ -153,7 +156,7 @@ export function geometry(of: Chain): string {
     travel,
     continuous,
   ];
-  const work = [of.workpiece_origin_mm, of.workpiece_rotation_deg];
+  const work = [of.workpiece_origin_mm, of.workpiece_rotation_deg, of.up];
   return JSON.stringify([of.machine, of.chain, of.axes.map(axis), of.tools, work]);
 }
 
@@ -208,6 +211,17 @@ export interface WorkRow {
   beyond?: { axis: string; by: number; unit: string }[];
 }
 
+/** A row with its deviation against the surface, and the axes that make it. */
+export interface PlayedRow {
+  line: number;
+  /** Positive out of the material. */
+  across_um: number;
+  along_um: number;
+  /** False where the direction of the tool stands for the normal of the surface. */
+  has_normal: boolean;
+  axes: Record<string, number>;
+}
+
 export interface Work {
   map: {
     path?: results.PathResult | null;
@@ -224,6 +238,8 @@ export interface Work {
   };
   rows: { poses: WorkRow[] };
   tips: { line: number; tip_mm: Vec3 }[];
+  /** The reached rows one by one; empty where errors are only bounded. */
+  played: PlayedRow[];
   /** Poses and reference of the figures, in words. */
   over: string;
   /** The verdict of the limit of the job, in words. */
@@ -236,6 +252,14 @@ export interface PlacedPart {
   svg: string;
   /** Poses and reference of the figures, in words. */
   over: string;
+}
+
+/** Meshes that a machine is drawn by. */
+export interface Look {
+  bodies: { body: string; color: Vec3 | null; positions: string; indices: string }[];
+  /** Their size in words. */
+  words: string | null;
+  warnings?: Diagnostic[];
 }
 
 /** An error that is one number, wherever it stands. */

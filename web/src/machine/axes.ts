@@ -58,6 +58,15 @@ export class AxisSliders {
     step(start);
   }
 
+  /** Stands at a pose at once; the address keeps it when it rests. */
+  stand(pose: Pose, rests: boolean): void {
+    cancelAnimationFrame(this.running);
+    for (const axis of this.axes) this.pose[axis.name] = pose[axis.name] ?? 0;
+    this.shown();
+    this.moved(this.pose, rests);
+    if (rests) this.remember();
+  }
+
   private zero(): Pose {
     return Object.fromEntries(this.axes.map((axis) => [axis.name, within(axis, 0)]));
   }

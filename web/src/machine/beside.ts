@@ -6,6 +6,7 @@ import type { Session } from "../session";
 import { move, place } from "../ui/address";
 import { byId, make } from "../ui/dom";
 import type { View } from "./deviation";
+import type { Surfaces } from "./look";
 import { Stage } from "./stage";
 
 type Kind = "" | "a" | "control";
@@ -20,6 +21,7 @@ export class Beside {
   private chain: Chain | null = null;
   private tool = "";
   private known: { text: string; chain: Chain | null } | null = null;
+  private surfaces: Surfaces = new Map();
 
   constructor(
     buttons: HTMLElement,
@@ -58,6 +60,11 @@ export class Beside {
   move(pose: Pose, rests: boolean): void {
     this.stage?.hold(!rests);
     if (this.shown) this.stage?.move(pose);
+  }
+
+  dress(surfaces: Surfaces): void {
+    this.surfaces = surfaces;
+    this.stage?.dress(surfaces);
   }
 
   theme(dark: boolean): void {
@@ -110,6 +117,7 @@ export class Beside {
     if (this.stage) return this.stage;
     this.stage = new Stage(this.parent, this.label.id, () => {});
     this.stage.theme(matchMedia("(prefers-color-scheme: dark)").matches);
+    this.stage.dress(this.surfaces);
     main.together(this.stage);
     return this.stage;
   }

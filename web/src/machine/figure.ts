@@ -6,6 +6,7 @@ import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
 import { castings } from "./castings";
 import type { Line } from "./drag";
 import { type Layout, layout, motion } from "./layout";
+import type { Surface, Surfaces } from "./look";
 import { hides } from "./pick";
 import type { Material, Shape } from "./shapes";
 import { along } from "./vectors";
@@ -20,7 +21,8 @@ export class Figure {
   readonly layout: Layout;
   private readonly bodies = new Map<string, three.Group>();
 
-  constructor(chain: Chain, tool: string, materials: Materials) {
+  /** `surfaces` are drawn in place of castings. */
+  constructor(chain: Chain, tool: string, materials: Materials, surfaces: Surfaces = new Map()) {
     const found = layout(chain, tool);
     if (!found) throw new Error("the machine has no tool");
     this.layout = found;
@@ -33,7 +35,8 @@ export class Figure {
     const [a, b, c] = chain.workpiece_rotation_deg.map((angle) => (angle * Math.PI) / 180) as Vec3;
     // Turned about X, then Y, then Z of the machine.
     this.workpiece.setRotationFromEuler(new three.Euler(a, b, c, "ZYX"));
-    for (const [body, list] of shapes) this.fill(body, list, materials);
+    for (const [body, list] of shapes) this.fill(body, castingsOf(body, list, surfaces), materials);
+    for (const [body, list] of surfaces) for (const of of list) this.dress(body, of, materials);
     for (const axis of chain.axes) if (axis.kind === "rotary") this.pivot(axis, materials);
   }
 
@@ -188,6 +191,20 @@ export class Figure {
     }
   }
 
+  /** A surface of a file: that of the part stands in the workpiece frame. */
+  private dress(name: string, { geometry, material }: Surface, materials: Materials): void {
+    const { tool, workpiece, chain } = this.layout;
+    const carrier = { tool: tool.at(-1)?.name, workpiece: workpiece.at(-1)?.name }[name] ?? name;
+    const body = this.bodies.has(carrier) ? carrier : "bed";
+    const axis = chain.axes.find((of) => of.name === name);
+    const own = { bed: "bed", tool: "tool", workpiece: "work" } as const;
+    const plain = own[name as keyof typeof own] ?? (axis?.kind === "rotary" ? "rotary" : "axis");
+    const mesh = new three.Mesh(geometry, material ?? materials[plain]);
+    mesh.userData["body"] = body;
+    mesh.userData["look"] = name;
+    (name === "workpiece" ? this.workpiece : (this.bodies.get(body) ?? this.root)).add(mesh);
+  }
+
   /** The line about which a rotary axis turns. */
   private pivot(axis: Axis, materials: Materials): void {
     const reach = this.layout.table * 1.5 + this.layout.size;
@@ -198,6 +215,12 @@ export class Figure {
     line.computeLineDistances();
     this.bodies.get(axis.name)?.parent?.add(line);
   }
+}
+
+/** The castings of a body that no mesh stands for; the tool has one of its own, and the part has. */
+function castingsOf(body: string, list: Shape[], surfaces: Surfaces): Shape[] {
+  const stands: Partial<Record<Material, string>> = { tool: "tool", part: "workpiece" };
+  return list.filter(({ material }) => !surfaces.has(stands[material] ?? body));
 }
 
 function cornersOf({ min, max }: three.Box3): three.Vector3[] {

@@ -39,8 +39,9 @@ export function layout(chain: Chain, tool: string): Layout | null {
   const toolInUse = chain.tools.find((of) => of.name === tool) ?? chain.tools[0];
   if (!toolInUse) return null;
   const both = sides(chain);
-  const kind = kindOf(both, toolInUse);
-  const up = upward(both, toolInUse, kind);
+  const usual = kindOf(both, toolInUse);
+  const kind = chain.up ? kindBy(chain.up, toolInUse, usual) : usual;
+  const up = chain.up ?? upward(both, toolInUse, kind);
   const right = rightward(both, toolInUse, up, kind);
   const size = casting(chain, toolInUse);
   return { ...both, chain, toolInUse, up, right, back: cross(up, right), size, table: tableHalf(chain, size), kind };
@@ -61,6 +62,14 @@ function kindOf({ tool, workpiece }: Sides, of: Tool): Kind {
   return upright && !swivels ? "horizontal" : "vertical";
 }
 
+/** The kind that a vertical of the file leaves: a spindle across it is horizontal. */
+function kindBy(up: Vec3, of: Tool, usual: Kind): Kind {
+  if (usual === "robot") return usual;
+  const isHorizontal = isAcross(up, of.direction);
+  if (usual === "lathe" && isHorizontal) return usual;
+  return isHorizontal ? "horizontal" : "vertical";
+}
+
 function upward({ tool, workpiece }: Sides, of: Tool, kind: Kind): Vec3 {
   if (kind === "robot") return tool[0]?.direction ?? [0, 0, 1];
   if (kind === "lathe")
@@ -78,7 +87,9 @@ function rightward({ tool, workpiece }: Sides, of: Tool, up: Vec3, kind: Kind): 
   // A single one on the side of the tool is a beam: it is seen from the front.
   const candidates = flat(tool).length === 1 ? flat(tool) : [...flat(tool), ...flat(workpiece)];
   const x = candidates.find((axis) => axis.name.startsWith("X")) ?? candidates[0];
-  return unit(across(x?.direction ?? [1, 0, 0], up));
+  // Without one anything across.
+  const aside: Vec3 = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0];
+  return unit(across(x?.direction ?? aside, up));
 }
 
 /** A sixth of a middling travel; of a robot of its reach. */

@@ -5,7 +5,7 @@ import type { Vec3 } from "../evaluator/types";
 import { add, cross, isParallel, minus, norm, scaled, unit } from "./vectors";
 
 /** What a shape is made of; its colour is that of the theme. */
-export type Material = "bed" | "axis" | "rotary" | "guide" | "spindle" | "tool" | "part" | "line";
+export type Material = "bed" | "axis" | "rotary" | "guide" | "spindle" | "tool" | "part" | "work" | "line";
 
 export interface Shape {
   geometry: three.BufferGeometry;

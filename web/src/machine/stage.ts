@@ -8,6 +8,7 @@ import { Arms } from "./arms";
 import { Figure, type Materials } from "./figure";
 import { gltf } from "./gltf";
 import { Guide } from "./guide";
+import type { Surfaces } from "./look";
 import { type FieldNode, Marks, type WorkPoint } from "./marks";
 import { Overlay, round } from "./overlay";
 import { hides, Pick } from "./pick";
@@ -22,6 +23,7 @@ const LIGHT: Record<Material, number> = {
   spindle: 0xa8b0b8,
   tool: 0xd9a33c,
   part: 0xb9d7a8,
+  work: 0xb9d7a8,
   line: 0x4a545e,
 };
 const DARK: Record<Material, number> = {
@@ -32,6 +34,7 @@ const DARK: Record<Material, number> = {
   spindle: 0x9aa4ae,
   tool: 0xe0b04c,
   part: 0x7fa56f,
+  work: 0x7fa56f,
   line: 0x161a1f,
 };
 
@@ -52,6 +55,8 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly materials = {} as Materials;
   private figure: Figure | null = null;
+  /** Meshes in place of castings. */
+  private surfaces: Surfaces = new Map();
   private shown = "";
   /** Geometry and tool of the figure. */
   private known = "";
@@ -104,7 +109,7 @@ export class Stage {
     const key = geometry(chain) + tool;
     if (key === this.known && !as) return this.stands(pose) ? undefined : this.move(pose);
     this.known = key;
-    const figure = new Figure(chain, tool, this.materials);
+    const figure = new Figure(chain, tool, this.materials, this.surfaces);
     this.figure?.dispose();
     this.figure?.root.removeFromParent();
     this.figure = figure;
@@ -123,6 +128,15 @@ export class Stage {
     this.shown = shape;
     this.renderer.domElement.setAttribute("aria-label", `The machine ${chain.machine}, ${chain.chain}`);
     this.draw();
+  }
+
+  /** Draws bodies by these meshes from now on, and looks at the whole of them. */
+  dress(surfaces: Surfaces): void {
+    this.surfaces = surfaces;
+    const { figure } = this;
+    if (!figure) return;
+    [this.known, this.shown] = ["", ""];
+    this.show(figure.layout.chain, figure.layout.toolInUse.name, this.pose);
   }
 
   /** True if the picture shows this pose. */
@@ -413,7 +427,8 @@ export class Stage {
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
     };
-    if (material === "part") return new three.MeshStandardMaterial({ ...flat, transparent: true, opacity: 0.75 });
+    if (material === "part" || material === "work")
+      return new three.MeshStandardMaterial({ ...flat, transparent: true, opacity: 0.75 });
     return new three.MeshStandardMaterial(flat);
   }
 }

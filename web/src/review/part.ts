@@ -22,6 +22,7 @@ import { download } from "../ui/download";
 import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
 import { figure } from "./number";
+import { Player } from "./player";
 import { bare, named, quantity, rounded, said } from "../units";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
@@ -82,6 +83,7 @@ export class Part {
   private readonly places = make("div", { "aria-live": "polite" });
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
+  private readonly player: Player;
   /** What a report states of the part besides its file. */
   stated: StatedPart = {};
   /** True if the part that is shown is the job of the machine file. */
@@ -96,6 +98,8 @@ export class Part {
     private readonly session: Session,
     private readonly stage: Stage | null,
     private readonly go: (pose: Pose) => void,
+    /** Stands at a pose at once. */
+    stand: (pose: Pose, rests: boolean) => void,
     /** Hears that there is a part, or none. */
     private readonly heard: () => void,
     /** Hears that the part is another one. */
@@ -104,6 +108,7 @@ export class Part {
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed, this.body);
+    this.player = new Player(stand);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
     for (const choice of [this.reference, this.path]) choice.addEventListener("change", this.changed);
@@ -118,7 +123,16 @@ export class Part {
     const solved = make("p", {}, make("label", { for: "path" }, "Tool poses "), this.path);
     const trying = make("p", {}, make("label", { for: "places" }, "Other places "), this.ranges);
     trying.append(button("Try", () => this.tryPlaces(), { id: "try-places" }));
-    parent.append(make("p", { class: "words" }, words), chooser, setUp, solved, this.body, trying, this.places);
+    parent.append(
+      make("p", { class: "words" }, words),
+      chooser,
+      setUp,
+      solved,
+      this.body,
+      this.player.body,
+      trying,
+      this.places,
+    );
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());
     parent.addEventListener("drop", (event) => {
@@ -215,6 +229,7 @@ export class Part {
 
   private nothing(reasons: string[], isMissing: boolean): void {
     this.stage?.path([], 1);
+    this.player.clear();
     const words = isMissing ? "File missing" : "Not readable";
     this.tell("fits", reasons.length ? { words, mark: "open", why: [`${reasons.join(" ")}.`] } : undefined);
     this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
@@ -228,6 +243,7 @@ export class Part {
     const most = reached[0] ? deviation(reached[0]) : 0;
     this.stage?.path(points(work, colours, this.go), most);
     this.tell("fits", fits(rows, stops));
+    this.player.show(work);
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
     this.body.replaceChildren(
       make(

@@ -3,7 +3,8 @@
 import { button, byId, make } from "./dom";
 
 /** What a problem concerns: one of each stands at a time. */
-export type About = "chain" | "file" | "figures" | "picture" | "program" | "questions" | "save" | "start" | "tool";
+export type About =
+  "chain" | "file" | "figures" | "look" | "picture" | "program" | "questions" | "save" | "start" | "tool";
 
 interface Problem {
   words: string;
