@@ -109,7 +109,7 @@ Approach = Literal["mean", "forward", "reverse"]
 Frame = Literal["workpiece", "machine", "tool"]
 
 #: Letters of the symbols.
-Naming = Literal["iso", "paper"]
+Naming = Literal["iso", "paper", "parameters"]
 
 RandomChoice = TypedDict("RandomChoice", {"random": int})
 
@@ -298,7 +298,23 @@ IdentifyOptions = TypedDict(
 )
 
 #: The instrument for which readings are planned.
-PlanInstrument = Literal["points", "r_test", "tracker", "laser"]
+PlanInstrument = Literal["points", "r_test", "tracker", "laser", "touch"]
+
+#: The stylus and the body of the probe that holds it, mm.
+#: ``radius``: Radius of its ball, whose middle is the functional point.
+#: ``length``: Distance from the middle of the ball to the body.
+#: ``shaft``: Radius of its shaft, less than that of the ball.
+#: ``body``: Radius of the body.
+Stylus = TypedDict(
+    "Stylus",
+    {
+        "radius": float,
+        "length": float,
+        "shaft": float,
+        "body": float,
+    },
+    total=False,
+)
 
 #: Largest corrections that are not refused.
 #: ``length``: Limit for a linear axis, mm.
@@ -345,22 +361,6 @@ Acceptance = Literal["suspect"]
 
 #: The meaning of X, Y, Z in a log of touches.
 TouchCoordinates = Literal["joints", "tip"]
-
-#: The stylus and the body of the probe that holds it, mm.
-#: ``radius``: Radius of its ball, whose middle is the functional point.
-#: ``length``: Distance from the middle of the ball to the body.
-#: ``shaft``: Radius of its shaft, less than that of the ball.
-#: ``body``: Radius of the body.
-Stylus = TypedDict(
-    "Stylus",
-    {
-        "radius": float,
-        "length": float,
-        "shaft": float,
-        "body": float,
-    },
-    total=False,
-)
 
 #: A test.
 StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
@@ -453,6 +453,7 @@ class Verbs:
         algebra: Text | None = None,
         symbols: Naming = "iso",
         tool_length: bool = False,
+        factors: bool = False,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> EquationsResult:
@@ -465,12 +466,14 @@ class Verbs:
           empty text takes that section.
         * ``symbols``: Names of the symbols.
         * ``tool_length``: True if the length of the tool stays the symbol L.
+        * ``factors``: True to list the factors of each joint: nominal motion, error and location matrices.
         """
         options: dict[str, Any] = {
             "order": order,
             "algebra": algebra,
             "symbols": symbols,
             "tool_length": tool_length,
+            "factors": factors,
         }
         found = call("equations", [self._native], options, threads=threads, progress=progress)
         return EquationsResult(found)
@@ -970,8 +973,9 @@ class Verbs:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
           ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
-        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``spindle``,
-          ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``workpiece-
+          by-run``, ``spindle``, ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the
+          machine file.
         * ``fixed``: Parameters that keep their value although a group names them.
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
@@ -1042,8 +1046,9 @@ class Verbs:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
           ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
-        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``spindle``,
-          ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``tools``, ``tools-by-run``, ``workpiece``, ``workpiece-
+          by-run``, ``spindle``, ``linear``, error names, ``EXX:poly3``; if empty, the section ``identify`` of the
+          machine file.
         * ``fixed``: Parameters that keep their value although a group names them.
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
@@ -1092,6 +1097,10 @@ class Verbs:
         poses: int = 20,
         instrument: PlanInstrument = "points",
         balls: Sequence[Text] | None = None,
+        ball_radius: float = 12.5,
+        stylus: Stylus | None = None,
+        stem: float | None = None,
+        within: float = 1.0,
         ranges: Text | None = None,
         candidates: Text | None = None,
         fit: Sequence[Text] | None = None,
@@ -1108,8 +1117,12 @@ class Verbs:
 
         * ``poses``: Number of readings, 1 to 1000: poses, of a laser lines.
         * ``instrument``: The instrument; it can take what its kind of readings and the volume allow.
-        * ``balls``: R-test: poses at which the functional point is at a ball on the table, such as ``X=100,Y=50``;
-          other axes are where ``at`` has them. By default there is one ball.
+        * ``balls``: R-test and touch probe: poses at which the functional point is at a ball on the table, such as
+          ``X=100,Y=50``; other axes are where ``at`` has them. By default there is one ball.
+        * ``ball_radius``: Radius of the balls; above 0.
+        * ``stylus``: The stylus; the functional point of the machine file is the middle of its ball.
+        * ``stem``: Radius of the stems of the balls, along -Z of the workpiece; half that of the balls by default.
+        * ``within``: Distance that each ball may be away from its place; above 0.
         * ``ranges``: Ranges of axes within the volume to which the readings are confined: ``A=-60..60,C=0..180``, mm
           and deg.
         * ``candidates``: The readings to choose from, in place of those of an instrument: a file as it is read once it
@@ -1124,6 +1137,10 @@ class Verbs:
             "poses": poses,
             "instrument": instrument,
             "balls": balls,
+            "ball_radius": ball_radius,
+            "stylus": stylus,
+            "stem": stem,
+            "within": within,
             "ranges": ranges,
             "candidates": candidates,
             "fit": fit,

@@ -173,7 +173,7 @@ fn ratio(before: &Summary, after: &Summary, left: Option<&CertificateBands>, ove
         let [low, high] = ends(low, high);
         let without = match &of.not_stated[..] {
             [] => String::new(),
-            [few @ ..] if few.len() <= NAMED => format!(" (none is stated of {})", few.join(", ")),
+            few if few.len() <= NAMED => format!(" (none is stated of {})", few.join(", ")),
             many => format!(" (none is stated of {} and {} more)", many[..NAMED].join(", "), many.len() - NAMED),
         };
         format!("; within their uncertainty{without} {low} to {high} um are left")

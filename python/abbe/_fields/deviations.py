@@ -7,6 +7,15 @@ from typing import Annotated, Any, Literal, Union
 from .._record import Named, Record
 
 
+class AlgebraResult(Record):
+    """The algebra that a result was computed over."""
+
+    generators: Annotated[list[str], "Names of the generators, x1 first."]
+    monomial_order: Annotated[str, "Order of monomials: graded reverse lexicographic, x1 > x2 > ..."]
+    groebner_basis: Annotated[list[str], "Reduced Groebner basis of the ideal up to the degree, each element solved for its leading monomial; empty without relations."]
+    monomials: Annotated[list[str], "Monomials that are a basis of the algebra over the reals."]
+
+
 class Over(Record):
     """What a result is over."""
 
@@ -140,6 +149,7 @@ class EvalFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     order: Annotated[str, "``exact``, a degree, or the algebra in words."]
+    algebra: Annotated[Union[AlgebraResult, None], "The algebra asked for."]
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]

@@ -133,7 +133,7 @@ class ErrorCounts(Record):
 
     location: Annotated[int, "Location errors with a value."]
     component: Annotated[int, "Component errors with a value."]
-    tolerance: Annotated[int, "Errors of which only a bound is known."]
+    tolerance: Annotated[int, "Bounds that the file states: of errors, of axes and of squareness."]
 
 
 class Coverage(Record):
@@ -168,6 +168,38 @@ class SixErrors(Record):
     EC: Annotated[float, "Rotation about Z."]
 
 
+class ErrorPart(Record):
+    """A coefficient of an error matrix."""
+
+    rotation: Annotated[list[list[float]], "Skew matrix, rad."]
+    displacement_mm: Annotated[Union[list[float], None], "Displacement, mm; none of a rotation."]
+
+
+class ErrorsOfDegree(Record):
+    """The errors of one degree."""
+
+    degree: Annotated[int, "Power of i."]
+    before: Annotated[ErrorPart, "Errors on the left of N."]
+    after: Annotated[ErrorPart, "Errors on the right of N."]
+
+
+class ErrorClass(Record):
+    """The error class I^A of an orthogonal matrix A: all B with A^T B skew."""
+
+    dimension: Annotated[int, "Dimension over the reals."]
+    basis: Annotated[list[list[list[float]]], "A basis, each matrix row by row."]
+    is_lie_algebra: Annotated[bool, "True if it is closed under the commutator."]
+    reason: Annotated[str, "The reason."]
+
+
+class Lemma(Record):
+    """A statement of a paper at one matrix."""
+
+    statement: Annotated[str, "The statement, with its number in the paper."]
+    holds: Annotated[bool, "True if it holds for this matrix."]
+    reason: Annotated[str, "The reason, with what was computed."]
+
+
 class Units(Record):
     """Fields of Units."""
 
@@ -179,10 +211,14 @@ class ClassifyFields(Record):
     """A matrix over the dual numbers, classified."""
 
     admissible: Annotated[bool, ""]
+    group: Annotated[Union[str, None], "``SO(3, D_2)`` of rotations, ``SE(3, D)`` of motions."]
     rotation: Annotated[Union[list[list[float]], None], "Rotation of N, row by row."]
-    translation_mm: Annotated[Union[list[float], None], "Translation of N, mm."]
-    errors_before: Annotated[Union[SixErrors, None], "Errors on the left of N: mm and rad."]
-    errors_after: Annotated[Union[SixErrors, None], "Errors on the right of N: mm and rad."]
+    translation_mm: Annotated[Union[list[float], None], "Translation of N, mm; none of a rotation."]
+    errors_before: Annotated[Union[SixErrors, None], "Errors of degree 1 on the left of N: mm and rad; of motions of space."]
+    errors_after: Annotated[Union[SixErrors, None], "Errors of degree 1 on the right of N: mm and rad; of motions of space."]
+    degrees: Annotated[Union[list[ErrorsOfDegree], None], "The errors of every degree: E = exp(W), of motions with a displacement."]
+    error_class: Annotated[Union[ErrorClass, None], "The error class I^A of the rotation."]
+    lemmas: Annotated[Union[list[Lemma], None], "Statements of the papers at this matrix."]
     units: Annotated[Union[Units, None], ""]
     reason: Annotated[Union[str, None], "The reason."]
 
@@ -262,7 +298,7 @@ class EquationSymbol(Record):
     """A symbol of closed forms."""
 
     symbol: Annotated[str, "As it stands in the text."]
-    kind: Annotated[str, "``error``, ``position``, ``sine``, ``cosine`` or ``tool_length``."]
+    kind: Annotated[str, "``error``, ``parameter``, ``position``, ``sine``, ``cosine`` or ``tool_length``."]
     of: Annotated[str, "Name of the error or axis."]
     sign: Annotated[float, "1 or -1."]
     latex: Annotated[str, "As LaTeX."]
@@ -283,6 +319,13 @@ class Polynomial(Record):
     terms: Annotated[list[PolynomialTerm], "Its terms."]
 
 
+class MatrixFactor(Record):
+    """A factor of the matrix of a joint."""
+
+    name: Annotated[str, "``N``, ``E``, ``E^-1``, ``Loc``, ``Loc^-1``, ``Loc N Loc^-1``, ``T(o)`` and ``T(-o)`` with o the origin of the axis."]
+    matrix: Annotated[list[list[Polynomial]], "The matrix."]
+
+
 class EquationsFields(Record):
     """The closed forms of a machine; mm and rad, workpiece frame."""
 
@@ -292,6 +335,7 @@ class EquationsFields(Record):
     units: Annotated[EquationUnits, "Units of lengths and angles."]
     symbols: Annotated[list[EquationSymbol], "The symbols."]
     joints: Annotated[Named[list[list[Polynomial]]], "The matrix of each joint."]
+    factors: Annotated[Union[Named[list[MatrixFactor]], None], "The factors of these matrices in their order, with ``factors``."]
     t_tool: Annotated[list[list[Polynomial]], "From the bed to the tool."]
     t_work: Annotated[list[list[Polynomial]], "From the bed to the workpiece."]
     e_ve: Annotated[list[list[Polynomial]], "The volumetric error E_VE."]

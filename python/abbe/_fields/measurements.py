@@ -612,6 +612,7 @@ class MeasureFields(Record):
     controller: Annotated[str, "The controller."]
     certainty: Annotated[str, "The certainty of the syntax, in a word."]
     sets: Annotated[list[MeasuredSet], "The sets in their order."]
+    checked: Annotated[str, "Sizes of balls, stems and probe of which the moves keep clear, in words."]
     touches: Annotated[int, "Number of touches that are logged."]
     slow_mm_per_min: Annotated[float, "Feed of the touches that are logged, mm/min."]
     fast_mm_per_min: Annotated[float, "Feed of approaches, mm/min."]

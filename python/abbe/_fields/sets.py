@@ -94,6 +94,7 @@ class CertificateBands(Record):
 
     uncompensated: Annotated[Bands, "Without the files."]
     compensated: Annotated[Bands, "With them: what the uncertainty of the errors leaves, whatever the files correct."]
+    not_stated: Annotated[Union[list[str], None], "Errors with a value of which the machine file states no uncertainty: they count as exact."]
 
 
 class SeenCorrection(Record):
@@ -365,6 +366,7 @@ class LimitDecision(Record):
 
     name: Annotated[str, "Name of the limited value."]
     of: Annotated[str, "``found``, ``left`` or the file of figures."]
+    at: Annotated[Union[str, None], "The place of the value in a file of figures, a JSON pointer."]
     value: Annotated[float, "The value."]
     expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2)."]
     limit: Annotated[float, "The limit."]

@@ -34,17 +34,21 @@ pub(crate) fn wandering(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let machine = fitted.machine;
     let rotary = (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary);
     let points = rotary.map(ErrorSite::Location).chain([ErrorSite::Tool]);
-    let shifted = points.filter_map(|point| {
+    let shifted = points.map(|point| {
         let columns: Vec<Vec<Vector3<f64>>> =
             effects(fitted, &rows, point).iter().map(|column| about_means(column, &runs)).collect();
         let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
         let normal = Matrix3::from_fn(|i, k| dot(&columns[i], &columns[k]));
         let force = Vector3::from_fn(|i, _| -dot(&columns[i], &wander));
         // What the point does not move has no share.
-        let shift = normal.svd(true, true).solve(&force, 1e-9 * normal.norm()).ok()?;
+        let parts = normal.symmetric_eigen();
+        let least = 1e-9 * parts.eigenvalues.amax();
+        let pairs = parts.eigenvalues.iter().zip(parts.eigenvectors.column_iter());
+        let felt = pairs.filter(|(value, _)| **value > least);
+        let shift: Vector3<f64> = felt.map(|(value, way)| way * (way.dot(&force) / value)).sum();
         let moved = |i: usize| (0..3).map(|k| columns[k][i] * shift[k]).sum::<Vector3<f64>>();
         let rest: Vec<Vector3<f64>> = wander.iter().enumerate().map(|(i, v)| v + moved(i)).collect();
-        Some((point, shift, rms(&rest)))
+        (point, shift, rms(&rest))
     });
     let (point, shift, left) = shifted.min_by(|a, b| a.2.total_cmp(&b.2))?;
     if left > MAX_RESTING_SHARE * before {

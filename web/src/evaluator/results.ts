@@ -32,6 +32,18 @@ export interface AddedDeviation {
   p95: number;
 }
 
+/** The algebra that a result was computed over. */
+export interface AlgebraResult {
+  /** Names of the generators, x1 first. */
+  generators: string[];
+  /** Order of monomials: graded reverse lexicographic, x1 > x2 > ... */
+  monomial_order: string;
+  /** Reduced Groebner basis of the ideal up to the degree, each element solved for its leading monomial; empty without relations. */
+  groebner_basis: string[];
+  /** Monomials that are a basis of the algebra over the reals. */
+  monomials: string[];
+}
+
 /** The side from which a position is approached; curves may differ (reversal). */
 export type Approach = "mean" | "forward" | "reverse";
 
@@ -289,7 +301,7 @@ export interface ChainMesh {
   /** Path of its file. */
   file: string;
   /** Unit of its coordinates, mm; null for that of its format. */
-  unit_mm?: number | null;
+  unit_mm: number | null;
   /** Place of its origin, mm. */
   origin_mm: [number, number, number];
   /** Angles A, B, C by which it is turned about X, then Y, then Z, deg. */
@@ -311,7 +323,7 @@ export interface ChainResult {
   /** Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg. */
   workpiece_rotation_deg: [number, number, number];
   /** Unit vector upwards in the picture, in machine coordinates; none where the file states none. */
-  up?: [number, number, number] | null;
+  up: [number, number, number] | null;
   /** Meshes that bodies are drawn by. */
   look: ChainMesh[];
   /** The conventions in force. */
@@ -777,7 +789,7 @@ export interface ErrorCounts {
   location: number;
   /** Component errors with a value. */
   component: number;
-  /** Errors of which only a bound is known. */
+  /** Bounds that the file states: of errors, of axes and of squareness. */
   tolerance: number;
 }
 
@@ -839,6 +851,8 @@ export interface EvalResult {
   machine: string;
   /** `exact`, a degree, or the algebra in words. */
   order: string;
+  /** The algebra asked for. */
+  algebra?: AlgebraResult | null;
   /** Frame of the vectors. */
   frame: Frame;
   /** Side of approach. */
