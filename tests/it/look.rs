@@ -17,7 +17,7 @@ axes:
   B: { travel: continuous, origin: [200, 0, 250] }
 tool: { gauge: [200, 150, 100], length: 120 mm, direction: [0, 0, 1] }
 workpiece: { origin: [200, 0, 250] }
-tolerances: { B: { radial: 5 um }, EBX: 10 urad }
+tolerances: { B: { location: { across: 5 um } }, EXX: 10 um }
 ";
 
 /// A binary STL of a box between two corners.

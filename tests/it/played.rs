@@ -24,7 +24,8 @@ fn played(errors: &str, rows: &str) -> Value {
 
 fn near(value: &Value, truth: f64) {
     let value = value.as_f64().unwrap();
-    assert!((value - truth).abs() < 1e-6, "{value} for {truth}");
+    // The closed form is of first order: 100 mm times half the square of 20 urad are 2e-5 um.
+    assert!((value - truth).abs() < 3e-5, "{value} for {truth}");
 }
 
 #[test]

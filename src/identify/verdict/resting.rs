@@ -21,7 +21,7 @@ struct Relative<'a> {
     place: Vector3<f64>,
 }
 
-/// Names the one point of the machine file that makes balls wander that would rest with another.
+/// Names the points of the machine file of which another one would let wandering balls rest.
 pub(crate) fn wandering(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let rows = relative(fitted);
     let runs: Vec<usize> = rows.iter().map(|row| row.run).collect();
@@ -50,19 +50,23 @@ pub(crate) fn wandering(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
         let rest: Vec<Vector3<f64>> = wander.iter().enumerate().map(|(i, v)| v + moved(i)).collect();
         (point, shift, rms(&rest))
     });
-    let (point, shift, left) = shifted.min_by(|a, b| a.2.total_cmp(&b.2))?;
-    if left > MAX_RESTING_SHARE * before {
+    let rests = shifted.filter(|(.., left)| *left <= MAX_RESTING_SHARE * before);
+    let words = rests.map(|(point, shift, _)| {
+        let by: Vec<String> = shift.iter().map(|x| significant(libm::round(x * 100.0) / 100.0 + 0.0, 6)).collect();
+        let what = match point {
+            ErrorSite::Location(i) => format!("the origin of {}", machine.axes()[i].name),
+            _ => "the tip of the tool".to_owned(),
+        };
+        format!("{what} moved by [{}] mm", by.join(", "))
+    });
+    let words: Vec<String> = words.collect();
+    if words.is_empty() {
         return None;
     }
-    let by: Vec<String> = shift.iter().map(|x| significant(libm::round(x * 100.0) / 100.0, 6)).collect();
-    let what = match point {
-        ErrorSite::Location(i) => format!("the origin of {}", machine.axes()[i].name),
-        _ => "the tip of the tool".to_owned(),
-    };
     let message = format!(
-        "the nominal tip wanders by {} mm in runs of relative readings: the ball would rest with {what} moved by [{}] mm",
+        "the nominal tip wanders by {} mm in runs of relative readings: the ball would rest with {}",
         significant(before, 3),
-        by.join(", ")
+        words.join(", or with ")
     );
     let help = "compare origins and length of the tool with the machine on which the readings were taken";
     Some(Diagnostic::new(codes::W0520, message).help(help))

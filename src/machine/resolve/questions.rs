@@ -21,9 +21,6 @@ const NEAR: f64 = 0.3;
 const METRES: f64 = 3.0;
 /// A coordinate from which on it is no offset that was measured, mm.
 const OFFSET: f64 = 0.05;
-/// A distance that a tip may miss the workpiece by across both tool and part, mm: parts stand on a pallet to whose face
-/// the spindle need not come down.
-const BESIDE: f64 = 100.0;
 /// A distance that a tip may miss the workpiece by, mm: rounding of drawings.
 const MISSED: f64 = 1.0;
 
@@ -183,7 +180,7 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     let is_across = |along: [f64; 3]| dot(along, tool).abs() < 1e-6 && dot(along, up).abs() < 1e-6;
     let across = across.zip(["X", "Y", "Z"]).filter(|(along, _)| is_across(*along));
     let missed = across.map(|(along, letter)| (reach(along), letter));
-    let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > BESIDE);
+    let missed = missed.map(|((low, high), letter)| (low.max(-high), letter)).find(|(by, _)| *by > MISSED);
     let (by, letter) = missed?;
     let by = significant(by, 4);
     Some((format!("the tip stays {by} mm beside the workpiece origin along {letter}: {places}"), help))
