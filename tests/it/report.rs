@@ -372,16 +372,8 @@ fn its_budgets_and_instruments_are_those_of_their_verbs() {
             }
         }
     }
-    let compare = json(
-        &[
-            &["compare"],
-            &files[..],
-            &class,
-            &["--max-samples", "60"],
-            &["--poses", "90", "--seed", "5", "--format", "json"],
-        ]
-        .concat(),
-    );
+    let compare =
+        json(&[&["compare"], &files[..], &class, &["--poses", "90", "--seed", "5", "--format", "json"]].concat());
     assert_eq!(data["comparison"]["budgets"], compare["budgets"]);
     for id in ["m1-budget", "m2-budget", "m1-instruments", "comparison-budgets"] {
         assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
