@@ -7,8 +7,10 @@ mod gltf;
 mod obj;
 mod simplify;
 mod stl;
+mod surface;
 
 pub use simplify::{clustered, simplified};
+pub use surface::{Surface, count};
 
 use crate::syntax::{Files, ReadFailure};
 use std::collections::BTreeSet;
@@ -18,17 +20,6 @@ use std::path::Path;
 pub const MAX_BYTES: u64 = 64 << 20;
 /// Maximum number of triangles of a file.
 pub const MAX_TRIANGLES: usize = 1_000_000;
-
-/// Triangles of one colour.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Surface {
-    /// Red, green and blue in linear light, 0 to 1; none where the file states no colour.
-    pub color: Option<[f64; 3]>,
-    /// Points in the unit of the file.
-    pub vertices: Vec<[f64; 3]>,
-    /// Numbers of three vertices each.
-    pub triangles: Vec<[u32; 3]>,
-}
 
 /// The content of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,11 +37,6 @@ impl Mesh {
     pub fn count(&self) -> usize {
         count(&self.surfaces)
     }
-}
-
-/// Returns the number of triangles of surfaces.
-pub fn count(surfaces: &[Surface]) -> usize {
-    surfaces.iter().map(|surface| surface.triangles.len()).sum()
 }
 
 /// The reason for which a file is not drawn.

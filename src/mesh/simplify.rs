@@ -1,6 +1,6 @@
 //! Fewer triangles: vertices in one cell of a grid become their mean, and triangles without area are left out.
 
-use super::{Surface, count};
+use super::surface::{Surface, count};
 use std::collections::{BTreeSet, HashMap};
 
 /// Cells along the longest extent: the finest grid is 2 to this power.

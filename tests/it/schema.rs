@@ -225,6 +225,6 @@ fn the_schema_is_draft_07_and_describes_its_keys() {
     let schema = schema();
     assert_eq!(schema["$schema"], "http://json-schema.org/draft-07/schema#");
     assert_eq!(schema["additionalProperties"], false);
-    assert_eq!(schema["properties"].as_object().unwrap().len(), 21);
+    assert_eq!(schema["properties"].as_object().unwrap().len(), 23);
     assert!(schema["definitions"]["AxisEntry"]["properties"]["travel"]["description"].is_string());
 }

@@ -28,8 +28,8 @@ pub struct PlanOptions {
     pub poses: usize,
     /// The instrument; it can take what its kind of readings and the volume allow.
     pub instrument: PlanInstrument,
-    /// R-test and touch probe: poses at which the functional point is at a ball on the table, such as `X=100,Y=50`; other axes are
-    /// where [`InstrumentOptions::at`](crate::InstrumentOptions::at) has them. By default there is one ball.
+    /// R-test and touch probe: poses at which the functional point is at a ball on the table, such as `X=100,Y=50`.
+    /// Other axes are where [`InstrumentOptions::at`](crate::InstrumentOptions::at) has them. By default there is one.
     pub balls: Vec<String>,
     /// Sizes of a touch probe and of the balls.
     #[serde(flatten)]

@@ -69,8 +69,8 @@ pub(crate) struct Args {
     /// touch probe at balls.
     #[arg(long, value_enum, default_value = "points", requires = "plan", conflicts_with = "data")]
     instrument: PlanInstrument,
-    /// R-test or touch probe of a plan: a pose at which the functional point is at a ball on the table, other axes in the middle or at
-    /// 0. May be repeated [default: one ball, three quarters along the axes].
+    /// R-test or touch probe of a plan: a pose at which the functional point is at a ball on the table, other axes in
+    /// the middle or at 0. May be repeated [default: one ball, three quarters along the axes].
     #[arg(long, value_name = "X=100,Y=50", requires = "plan")]
     ball: Vec<String>,
     /// Ranges of axes to which the readings of a plan are confined, mm and deg.

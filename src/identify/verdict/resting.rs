@@ -1,5 +1,5 @@
-//! The ball of relative readings rests on the workpiece while rotary axes turn and linear axes follow. Where the machine
-//! file lets it wander, an origin or the tool of the file is not that of the machine.
+//! The ball of relative readings rests on the workpiece while rotary axes turn and linear axes follow. Where the
+//! machine file lets it wander, an origin or the tool of the file is not that of the machine.
 
 use super::fitted::FitDiagnosis;
 use crate::diagnostic::{Diagnostic, codes};
