@@ -11,12 +11,12 @@ const MACHINE: &str = "abbe: 1
 machine: Horizontal
 chain: w B' X' b Y Z t
 axes:
-  X: { travel: [0, 400] }
-  Y: { travel: [0, 300] }
-  Z: { travel: [0, 500] }
+  X: { travel: [0, 400], origin: [0, 0, 0] }
+  Y: { travel: [0, 300], origin: [0, 0, 0] }
+  Z: { travel: [0, 500], origin: [0, 0, 0] }
   B: { travel: continuous, origin: [200, 0, 250] }
 tool: { gauge: [200, 150, 100], length: 120 mm, direction: [0, 0, 1] }
-workpiece: { origin: [200, 0, 250] }
+workpiece: { origin: [200, 150, 250] }
 tolerances: { B: { location: { across: 5 um } }, EXX: 10 um }
 ";
 
@@ -115,7 +115,7 @@ fn what_cannot_be_drawn_is_named_and_stops_no_figure() {
         let checked = check(&file, &[]);
         assert_eq!(checked.code, Some(0), "{name}: {}", checked.err);
         let warning = &checked.json()["warnings"][0];
-        assert_eq!((&warning["code"], &warning["places"][0]["line"]), (&json!("W0853"), &json!(13)), "{warning}");
+        assert_eq!((&warning["code"], &warning["place"]["line"]), (&json!("W0853"), &json!(12)), "{warning}");
         let message = warning["message"].as_str().unwrap();
         assert!(message.contains(words), "{name}: {message}");
         assert_eq!(check(&file, &["--deny", "warnings"]).code, Some(1));
