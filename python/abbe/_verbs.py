@@ -1118,7 +1118,7 @@ class Verbs:
         * ``poses``: Number of readings, 1 to 1000: poses, of a laser lines.
         * ``instrument``: The instrument; it can take what its kind of readings and the volume allow.
         * ``balls``: R-test and touch probe: poses at which the functional point is at a ball on the table, such as
-          ``X=100,Y=50``; other axes are where ``at`` has them. By default there is one ball.
+          ``X=100,Y=50``. Other axes are where ``at`` has them. By default there is one.
         * ``ball_radius``: Radius of the balls; above 0.
         * ``stylus``: The stylus; the functional point of the machine file is the middle of its ball.
         * ``stem``: Radius of the stems of the balls, along -Z of the workpiece; half that of the balls by default.

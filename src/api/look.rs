@@ -11,7 +11,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector3};
 
-/// Options of [`look`].
+/// Options of the meshes that a machine is drawn by.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LookOptions {
