@@ -135,7 +135,7 @@ impl PoseRows<'_> {
             compile_model_of(&machine, how.order, how.approach).deviations_into(&columns, Frame::Workpiece, out)
         };
         if poses > 0 {
-            all.par_chunks_exact_mut(6 * poses).zip(values.rows.par_chunks_exact(width)).try_for_each(one)?;
+            all.par_chunks_mut(6 * poses).zip(values.rows.par_chunks(width)).try_for_each(one)?;
         }
         Ok(all)
     }
