@@ -3,13 +3,13 @@
 use super::show::drawn_meshes;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
-use crate::machine::{BodyMesh, sin_cos_degrees};
+use crate::machine::{BodyMesh, rotation_of};
 use crate::mesh::{self, Mesh, Surface};
 use crate::run::{Call, Reply, Run};
 use crate::units::{FARTHEST, counted};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Options of the meshes that a machine is drawn by.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Deserialize)]
@@ -71,7 +71,11 @@ pub(crate) fn look(machine: &MachineFile, options: &LookOptions, run: Run) -> Re
         });
         let bodies: Vec<(String, Surface)> = surfaces.collect();
         let drawn = bodies.iter().map(|(_, surface)| surface.triangles.len()).sum();
-        Ok(LookResult { bodies: bodies.into_iter().map(packed).collect(), triangles, drawn })
+        Ok(LookResult {
+            bodies: bodies.into_iter().map(|(body, surface)| packed(body, &surface)).collect(),
+            triangles,
+            drawn,
+        })
     })
 }
 
@@ -87,7 +91,7 @@ fn placed(of: &BodyMesh, call: &mut Call<'_>) -> Option<Mesh> {
             return None;
         }
     };
-    let (unit, turn) = (of.unit_mm.unwrap_or(mesh.unit_mm), rotation(of.rotation));
+    let (unit, turn) = (of.unit_mm.unwrap_or(mesh.unit_mm), rotation_of(of.rotation));
     let vertices = mesh.surfaces.iter_mut().flat_map(|surface| &mut surface.vertices);
     let mut far = 0.0_f64;
     for vertex in vertices {
@@ -108,15 +112,7 @@ fn placed(of: &BodyMesh, call: &mut Call<'_>) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// Returns the rotation by three angles about the standing X, then Y, then Z.
-fn rotation(angles: [f64; 3]) -> Matrix3<f64> {
-    let [(sa, ca), (sb, cb), (sc, cc)] = angles.map(sin_cos_degrees);
-    let x = Matrix3::new(1.0, 0.0, 0.0, 0.0, ca, -sa, 0.0, sa, ca);
-    let y = Matrix3::new(cb, 0.0, sb, 0.0, 1.0, 0.0, -sb, 0.0, cb);
-    Matrix3::new(cc, -sc, 0.0, sc, cc, 0.0, 0.0, 0.0, 1.0) * y * x
-}
-
-fn packed((body, surface): (String, Surface)) -> BodySurface {
+fn packed(body: String, surface: &Surface) -> BodySurface {
     let positions: Vec<u8> = surface.vertices.iter().flatten().flat_map(|x| (*x as f32).to_le_bytes()).collect();
     let indices: Vec<u8> = surface.triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()).collect();
     let [positions, indices] = [positions, indices].map(|bytes| BASE64_STANDARD.encode(bytes));

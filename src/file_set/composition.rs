@@ -28,7 +28,7 @@ pub(crate) struct Composition {
     pub tables: CorrectionTables,
     /// The tables that were in force when the machine was measured.
     pub before: Option<CorrectionTables>,
-    /// What the tables correct, and by what.
+    /// Goal of the tables, and the axes that correct.
     scope: Scope,
     /// Names of the files, with their subfolders.
     pub files: Vec<String>,

@@ -32,8 +32,7 @@ pub(crate) fn find_set(
         call.check()?;
     }
     let options = options.as_in(lock.as_ref());
-    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
-    let (target, files) = target_and_files(call, machine, &folder, named, &options)?;
+    let (target, files) = target_and_files(call, machine, &folder, lock.as_ref(), named, &options)?;
     Ok(FoundSet { target, files, options })
 }
 
@@ -41,19 +40,20 @@ fn target_and_files(
     call: &mut Call,
     machine: &Machine,
     folder: &Folder,
-    named: Option<String>,
+    lock: Option<&Lock>,
+    named: Option<&str>,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, Vec<ReadBack>), Refused> {
-    let candidates = match named {
-        Some(name) => vec![options.target(call, &name)?],
+    let candidates = match named.or_else(|| lock.map(|lock| lock.target.as_str())) {
+        Some(name) => vec![options.target(call, name)?],
         None => all_targets(call, options)?,
     };
     if let [target] = &candidates[..] {
         refuse_assumed_axes(call, machine, target)?;
     }
-    if let ([target], Some(lock)) = (&candidates[..], folder.lock()) {
+    if let ([target], Some(lock)) = (&candidates[..], lock) {
         let tables = target.table_files(machine);
-        refuse_incomplete(call, folder, &lock, &tables)?;
+        refuse_incomplete(call, folder, lock, &tables)?;
         // A set that had nothing to compensate.
         if lock.target == target.manifest.target
             && !lock.files.iter().any(|file| tables.contains(&file.name))

@@ -6,6 +6,19 @@ use crate::algebra::{Algebra, Htm};
 use crate::machine::{Branch, Machine};
 use nalgebra::Vector3;
 
+/// Returns the errors of an axis as elements.
+fn errors_of<S: Algebra, L: ErrorLift<S>>(
+    elements: &Elements<'_, L>,
+    values: &ErrorValues,
+    i: usize,
+) -> JointElements<S> {
+    let AxisErrorValues { location, component } = &values.axes[i];
+    JointElements {
+        location: elements.six(ErrorSite::Location(i), location),
+        component: elements.six(ErrorSite::Component(i), component),
+    }
+}
+
 /// A machine at a pose, lowered: every joint as a matrix over the algebra.
 #[derive(Debug, Clone)]
 pub struct Chain<S: Algebra> {
@@ -36,14 +49,7 @@ impl<S: Algebra> Chain<S> {
     ) -> Self {
         let conventions = machine.conventions();
         let elements = Elements::new(machine, lift);
-        let axis = |i: usize| {
-            let AxisErrorValues { location, component } = &values.axes[i];
-            let errors = JointElements {
-                location: elements.six(ErrorSite::Location(i), location),
-                component: elements.six(ErrorSite::Component(i), component),
-            };
-            joint(&machine.axes()[i], conventions, &at[i], &errors)
-        };
+        let axis = |i: usize| joint(&machine.axes()[i], conventions, &at[i], &errors_of(&elements, values, i));
         let motion = |place, six: &[f64; 6]| elements.six(place, six).map(|six| error_motion(&six, conventions.joints));
         let gauge = machine.tool().gauge;
         let spindle = values.spindle.and_then(|six| motion(ErrorSite::Location(at.len()), &six));
@@ -67,14 +73,7 @@ impl<S: Algebra> Chain<S> {
     ) -> Vec<Vec<JointFactor<S>>> {
         let conventions = machine.conventions();
         let elements = Elements::new(machine, lift);
-        let axis = |i: usize| {
-            let AxisErrorValues { location, component } = &values.axes[i];
-            let errors = JointElements {
-                location: elements.six(ErrorSite::Location(i), location),
-                component: elements.six(ErrorSite::Component(i), component),
-            };
-            joint_factors(&machine.axes()[i], conventions, &at[i], &errors)
-        };
+        let axis = |i: usize| joint_factors(&machine.axes()[i], conventions, &at[i], &errors_of(&elements, values, i));
         let spindle = values.spindle.and_then(|six| elements.six(ErrorSite::Location(at.len()), &six)).map(|six| {
             let matrix = error_motion(&six, conventions.joints);
             between(&machine.tool().gauge, vec![JointFactor { name: "Loc", matrix }])

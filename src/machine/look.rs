@@ -3,7 +3,7 @@
 use crate::diagnostic::Place;
 use std::path::PathBuf;
 
-/// What a machine looks like.
+/// Appearance of a machine.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Look {
     /// Upwards, where the file says so: a unit vector in machine coordinates.

@@ -53,7 +53,9 @@ pub use joint_uncertainty::JointUncertainty;
 pub use kind::ErrorKind;
 pub use knots::{Knots, KnotsFailure};
 pub use look::{BodyMesh, Look};
-pub use model::{AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, Tool, axis_positions};
+pub use model::{
+    AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, Tool, axis_positions, rotation_of,
+};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{Approach, CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
 pub use resolve::{

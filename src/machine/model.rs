@@ -10,6 +10,13 @@ use indexmap::IndexMap;
 use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 
+/// Returns the rotation by angles (deg) about the standing X, then Y, then Z.
+pub fn rotation_of(angles: [f64; 3]) -> Matrix3<f64> {
+    let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let turns = units.iter().zip(angles).filter(|(_, degrees)| *degrees != 0.0);
+    turns.fold(Matrix3::identity(), |before, (about, degrees)| rotation_about(about, sin_cos_degrees(degrees)) * before)
+}
+
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
 
@@ -254,11 +261,7 @@ impl Machine {
     /// Returns the rotation that turns the workpiece's coordinates into machine directions at the zero pose; `None` if
     /// they are the same.
     pub fn workpiece_rotation(&self) -> Option<Matrix3<f64>> {
-        let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let turns = units.iter().zip(self.parts.workpiece_rotation).filter(|(_, degrees)| *degrees != 0.0);
-        let rotation = turns.fold(Matrix3::identity(), |before, (about, degrees)| {
-            rotation_about(about, sin_cos_degrees(degrees)) * before
-        });
+        let rotation = rotation_of(self.parts.workpiece_rotation);
         (rotation != Matrix3::identity()).then_some(rotation)
     }
 

@@ -12,7 +12,7 @@ pub const MAX_DEGREE: usize = 6;
 /// The largest number of rows.
 pub const MAX_ROWS: usize = 8;
 
-/// What a file says of a matrix.
+/// Content of a file with a matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatrixFile {
     /// Coefficients of the powers of i, from 1 on.

@@ -58,7 +58,7 @@ struct SharedCovariance {
     common: DMatrix<f64>,
 }
 
-/// What uncertainties that all readings share make of the unknowns.
+/// Effects on the unknowns of uncertainties that all readings share.
 pub struct CommonEffects {
     /// The covariance of the unknowns, in their units.
     pub(super) covariance: DMatrix<f64>,

@@ -64,7 +64,7 @@ impl FittedParameter {
     }
 }
 
-/// What the fit leaves of a measurement.
+/// Residual of a measurement after the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReadingResidual {
     /// The kind of reading, such as `deviations`.
