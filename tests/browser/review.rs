@@ -359,13 +359,15 @@ pub fn downloads() {
         let _ = bench.browser.run(&find);
         let name = format!("{panel}.{}", label.to_lowercase());
         let file = folder.join(&name);
+        // The browser makes the file before it writes it.
+        let mut bytes = Vec::new();
         for _ in 0..100 {
-            if file.exists() {
+            bytes = std::fs::read(&file).unwrap_or_default();
+            if !bytes.is_empty() {
                 break;
             }
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
-        let bytes = std::fs::read(&file).unwrap();
         let begins = match label {
             "CSV" => csv.as_bytes(),
             "SVG" => b"<svg xmlns=",
