@@ -1,7 +1,7 @@
 //! What newcomers type: files without a verb, lists for mappings, one text for one mistake, lines that can be copied.
 
 use super::first_hour::typed;
-use super::program::{Folder, available, refused, text};
+use super::program::{Folder, available, json, refused, text};
 use std::collections::BTreeMap;
 
 #[test]
@@ -86,4 +86,100 @@ fn lines_for_a_terminal_keep_commands_and_labels_whole() {
         told.contains("note: the first of them: ") && told.lines().all(|line| line.chars().count() <= 80),
         "{told}"
     );
+}
+
+/// A machine file of three axes, with a chain and sections of its own.
+fn three_axes(chain: &str, sections: &str) -> String {
+    format!(
+        "abbe: 1\nmachine: m\nchain: {chain}\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  Y: {{ travel: [0 mm, 400 mm] }}\n  \
+         Z: {{ travel: [-400 mm, 0 mm] }}\ntool: {{ gauge: [0, 0, 0], length: 100 mm }}\n\
+         workpiece: {{ origin: [250, 200, -450] }}\n{sections}"
+    )
+}
+
+#[test]
+fn a_slip_in_a_machine_file_is_answered_by_what_to_write() {
+    let folder = Folder::new("slips");
+    let plain = "\"w X' Y' b Z t\"";
+    for (chain, sections, remedy) in [
+        ("'w X' Y' b Z t'", "", "double quotes keep the primes: `chain: \"w X' Y' b Z t\"`"),
+        (plain, "errors: { X-Y: 0.02/500 }\n", "as an error it is `EC0Y`, with its sign"),
+        (plain, "errors: { EC0Y: 2 min }\n", "minutes of arc are `arcmin`"),
+        (plain, "errors: { EC0Y: 2' }\n", "minutes of arc are `arcmin`"),
+        (plain, "errors:\n  EC0Y: 2\"\n", "seconds of arc are `arcsec`"),
+        (plain, "tolerances: { X-Y: 0.02/500, Y-X: 0.02/500 }\n", "squareness of X and Y is given twice"),
+        (plain, "tool_poses: part.csv\n", "a job: give its file by `--job`"),
+    ] {
+        let file = folder.with("m.yaml", &three_axes(chain, sections));
+        let (code, message) = refused(&["check", text(&file)]);
+        let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(code == 1 && one_line.contains(remedy), "{message}");
+    }
+    // As data sheets write it.
+    let figure = |written: &str| {
+        let file = folder.with("m.yaml", &three_axes(plain, &format!("errors: {{ EC0Y: {written} }}\n")));
+        json(&["map", text(&file), "--format", "json"])["position_um"]["max"].as_f64().unwrap()
+    };
+    // 40 urad over the 400 mm of Y, to rounding.
+    for written in ["0.02 mm/500 mm", "20 um / 0.5 m", "40 urad"] {
+        assert!((figure(written) - 16.0).abs() < 1e-6, "{written}");
+    }
+}
+
+#[test]
+fn a_file_of_another_kind_is_answered_by_its_option() {
+    let folder = Folder::new("other-kind");
+    let machine = folder.with("m.yaml", &three_axes("\"w X' Y' b Z t\"", ""));
+    let job = folder.with("job.yaml", "tool_poses: part.csv\n");
+    let (code, message) = refused(&["map", text(&machine), "--tool-poses", text(&job)]);
+    assert!(code == 1 && message.contains("is a YAML file, not a table") && message.contains("`--job`"), "{message}");
+}
+
+/// A box whose tool comes from inside: every normal against the tool axis, and without normals the top from below.
+#[test]
+fn a_tool_axis_into_the_material_is_asked_about() {
+    let folder = Folder::new("reversed");
+    let says = |table: &str| {
+        let part = folder.with("part.csv", table);
+        refused(&["map", text(&crate::configs::folder().join("trunnion.yaml")), "--tool-poses", text(&part)]).1
+    };
+    for (table, is_asked) in [
+        ("X,Y,Z,I,J,K\n0,0,50,0,0,-1\n0,0,50,0,1,0\n", true),
+        ("X,Y,Z,I,J,K\n0,0,50,0,0,1\n0,0,50,0,1,0\n", false),
+        ("X,Y,Z,I,J,K\n0,0,50,0,0,-1\n0,0,50,0,0,1\n", false),
+        ("X,Y,Z,I,J,K,NX,NY,NZ\n0,0,50,0,0,1,0,0,-1\n", true),
+        // A flank says nothing.
+        ("X,Y,Z,I,J,K,NX,NY,NZ\n0,0,50,0,0,1,0,1,0\n", false),
+    ] {
+        let said = says(table);
+        assert_eq!(said.contains("W0855"), is_asked, "{table}{said}");
+    }
+}
+
+#[test]
+fn a_module_for_other_directions_names_the_axis_and_what_to_write() {
+    let folder = Folder::new("other-way");
+    let trunnion = crate::configs::folder().join("trunnion.yaml");
+    let head = folder.with(
+        "head.yaml",
+        "abbe: 1\nmachine: m\nchain: \"w C' Y' b X Z B t\"\naxes:\n  X: { travel: [0 mm, 500 mm] }\n  \
+         Y: { travel: [0 mm, 400 mm] }\n  Z: { travel: [-400 mm, 0 mm] }\n  \
+         B: { travel: [-90 deg, 90 deg], origin: [0, 0, 200] }\n  \
+         C: { travel: continuous, sense: direct, origin: [0, 0, -300] }\n\
+         tool: { gauge: [0, 0, 0], length: 100 mm }\nworkpiece: { origin: [0, 0, -300] }\nerrors: { EX0C: 5 um }\n",
+    );
+    for (file, target, remedy) in [
+        (
+            &trunnion,
+            "linuxcnc-trt",
+            "`C` turns the other way round there: if it does so on your machine, write `sense: direct`",
+        ),
+        (&head, "linuxcnc-maxkins", "write `direction: [0, -1, 0]`"),
+        (&trunnion, "linuxcnc-maxkins", "this target is for one rotary axis that carries the tool"),
+    ] {
+        let out = folder.file("never");
+        let (code, message) = refused(&["compile", text(file), "--target", target, "--out", text(&out)]);
+        let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(code == 1 && one_line.contains(remedy), "{message}");
+    }
 }

@@ -17,6 +17,7 @@
 //! a tool length offset is the controller's own), and the programmed positions of the other axes. A *command* is the
 //! position of every axis in the order of the walk (mm, deg).
 
+mod assumed;
 mod carry;
 mod constants;
 mod context;

@@ -4,8 +4,9 @@
 //! The certificate uses the transformation that the numbers of the files give. A part of the machine that no number
 //! places is where it is nominally.
 
+use super::assumed::{SAME, holds, no_rules};
 use super::transformation::Transformation;
-use crate::compensation::{AssumedAxis, Increment, KinematicsMechanism, MachinePart, ParameterRules, ParameterVector};
+use crate::compensation::{Increment, KinematicsMechanism, MachinePart, ParameterRules, ParameterVector};
 use crate::controller::emit::decimal_text;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, AxisName, Branch, Machine};
@@ -47,9 +48,6 @@ pub struct WrittenParameter {
 /// Steps by which numbers that close a loop may miss it.
 const LOOSE_STEPS: f64 = 2.0;
 
-/// Largest difference of a nominal direction or offset (mm) from what a controller assumes.
-const SAME: f64 = 1e-6;
-
 impl Parameters {
     /// Takes the parameters from the location errors of a machine. Refusal: E0751.
     pub fn of(machine: &Machine, mechanism: &KinematicsMechanism, vectors: bool) -> Result<Self, Diagnostic> {
@@ -58,7 +56,7 @@ impl Parameters {
             linear_first(machine)?;
         }
         let rules = mechanism.machines.iter().find(|rules| rules.fit(&nominal));
-        let rules = rules.ok_or_else(|| no_rules(mechanism, &nominal))?.clone();
+        let rules = rules.ok_or_else(|| no_rules(mechanism, machine, &nominal))?.clone();
         let actual = Transformation::actual(machine)?;
         let before = rules.numbers(&nominal);
         let empty = Self {
@@ -224,33 +222,10 @@ fn linear_first(machine: &Machine) -> Result<(), Diagnostic> {
         .help("write the chain with the linear axes next to the bed, or take another target of kinematic parameters"))
 }
 
-fn no_rules(mechanism: &KinematicsMechanism, nominal: &Transformation) -> Diagnostic {
-    let mut known: Vec<&str> = Vec::new();
-    for words in mechanism.machines.iter().map(|rules| rules.rotary.words()) {
-        if !known.contains(&words) {
-            known.push(words);
-        }
-    }
-    let same_kind = mechanism.machines.iter().find(|rules| rules.rotary == nominal.placement);
-    let message = match same_kind {
-        Some(_) => "the controller's transformation assumes other directions or places of the rotary axes".to_owned(),
-        None => format!("the controller has no transformation for {}", nominal.placement.words()),
-    };
-    let help = match same_kind {
-        Some(_) => {
-            "if the tables turn right-handed with positive words, write `sense: direct` for these axes; else take \
-                    another target (`abbe explain E0751`)"
-                .to_owned()
-        }
-        None => format!("this target is for {}", known.join(", or ")),
-    };
-    Diagnostic::new(codes::E0751, message).help(help)
-}
-
 impl ParameterRules {
     /// True if the rules are for a machine with these nominal lines.
     fn fit(&self, nominal: &Transformation) -> bool {
-        self.rotary == nominal.placement && self.assumes.iter().all(|axis| axis.holds(nominal))
+        self.rotary == nominal.placement && self.assumes.iter().all(|axis| holds(axis, nominal))
     }
 
     /// For each number, in the order of the file: true if it is of an offset.
@@ -332,23 +307,5 @@ impl Transformation {
                 if *reversed { -direction } else { direction }
             }
         }
-    }
-}
-
-impl AssumedAxis {
-    /// True if a nominal axis is where the controller assumes it.
-    fn holds(&self, nominal: &Transformation) -> bool {
-        let found = match self.of {
-            MachinePart::Tool => Some((nominal.tool, Vector3::zeros())),
-            part => nominal.line(part).map(|line| (line.direction, line.point)),
-        };
-        let Some((unit, point)) = found else { return false };
-        let same = |(assumed, found): (f64, f64)| (assumed - found).abs() <= SAME;
-        let turned = self.direction.is_none_or(|direction| (0..3).all(|k| same((direction[k], unit[k]))));
-        let along = self.line.is_none_or(|along| {
-            let cosine: f64 = (0..3).map(|k| along[k] * unit[k]).sum();
-            same((1.0, cosine.abs()))
-        });
-        turned && along && (0..3).all(|k| self.offset[k].is_none_or(|offset| same((offset, point[k]))))
     }
 }
