@@ -295,6 +295,7 @@ codes! {
     W0852 "the job of a machine file gives way",
     W0853 "a mesh is not drawn",
     W0854 "parts of a mesh are not drawn",
+    W0855 "the tool axis of a job points into the material",
 }
 
 /// Finds a code by its name, in any case.

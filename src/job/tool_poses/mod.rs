@@ -157,11 +157,36 @@ pub(crate) fn read_named(
         let header_cells = cells(&header.text, separator(&header.text));
         let rotary = rows.iter().filter_map(|row| row.rotary().map(|(_, pose)| pose));
         call.extend(other_units(machine, &header_cells, rotary, &Some(header.place)));
+        call.extend(reversed(rows));
     }
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
         Err(refusal) => call.refuse(refusal),
     }
+}
+
+/// Cosine of the angle between tool axis and normal from which on a row tells from which side the tool comes.
+const OBLIQUE: f64 = 0.2;
+
+/// Asks about tool axes that all point into the material: from the holder to the tip.
+fn reversed(rows: &[Row]) -> Option<Diagnostic> {
+    let axis = |row: &Row| match row.aim {
+        Aim::Axis(axis) => Some(axis),
+        Aim::Rotary(_) => None,
+    };
+    let has_normals = rows.iter().any(|row| row.normal.is_some());
+    let up = |row: &Row| if has_normals { row.normal } else { Some(Vector3::z()) };
+    // A tool along its surface, as one that mills with its flank, says nothing.
+    let told = rows.iter().filter_map(|row| Some((row, axis(row)?.dot(&up(row)?))));
+    let told: Vec<(&Row, f64)> = told.filter(|(_, cosine)| cosine.abs() > OBLIQUE).collect();
+    let (first, _) = told.first()?;
+    if told.iter().any(|(_, cosine)| *cosine > 0.0) {
+        return None;
+    }
+    let against = if has_normals { "against the normals of the surface" } else { "against Z of the part" };
+    let message = format!("the tool axis I, J, K points {against} in every row that tells: is it reversed?");
+    let help = "I, J, K point from the tip to the spindle: change their signs, if the tool is not below the part";
+    Some(Diagnostic::new(codes::W0855, message).at(Some(first.place.clone()), "").help(help))
 }
 
 impl ReachedToolPoses {
