@@ -134,7 +134,19 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(file) = &args.svg {
         file.write(&result.picture(), session)?;
     }
-    session.show(&result, || result.table.clone(), || text(&result))
+    session.show(&result, || result.table.clone(), || text(&result) + &entries(&result, args.out.as_deref()))
+}
+
+/// Entries of a machine file that take the uncertainty along, which a table does not hold.
+fn entries(result: &ImportResult, out: Option<&Path>) -> String {
+    let Some(out) = out else { return String::new() };
+    let entry = |error: &ImportedError| {
+        let of_curve = significant(error.uncertainty?.systematic, 3);
+        let table = out.display();
+        Some(format!("  {}: {{ table: {table}, uncertainty: {of_curve} {} }}\n", error.error, error.unit))
+    };
+    let entries: String = result.errors.iter().filter_map(entry).collect();
+    if entries.is_empty() { entries } else { format!("With U, `errors` of the machine file takes it as\n{entries}") }
 }
 
 /// Reads a log of touches.
