@@ -181,7 +181,7 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let machine = machine.ok_or(Refused)?;
     let travels = document.iter().flat_map(|d| d.axes.values().flatten()).filter_map(|axis| axis.travel.as_ref());
     let in_inches = travels.into_iter().any(TravelEntry::is_in_inches);
-    let questions = document.as_ref().map_or_else(Vec::new, |document| machine::questions(document, &machine));
+    let questions = document.as_ref().map_or_else(Vec::new, |document| machine::questions(document, &machine, look.up));
     let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
     let input_files = input_files(path, &sources, files);

@@ -1,5 +1,6 @@
 //! Causes of a file that cannot be read, as a person would name them: another format, a tab, a missing colon.
 
+use crate::diagnostic::shown;
 use std::ops::Range;
 use std::path::Path;
 
@@ -27,6 +28,8 @@ pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat>
     } else if is_program(bytes) || is_one_of(&["nc", "ngc", "mpf", "gcode", "tap", "cnc"]) {
         let remedy = "let the CAM system write APT CL data, or a table `X, Y, Z, I, J, K` of tips and tool directions";
         format("a program for a control", remedy)
+    } else if is_one_of(&["yaml", "yml"]) {
+        format("a YAML file", "a job is given by `--job`, columns of a table by `--columns`; a table is CSV")
     } else {
         None
     }
@@ -65,9 +68,22 @@ pub(super) fn yaml_cause(text: &str, at: usize) -> Option<YamlCause> {
     // The parser may notice one line late.
     let lines = [begin..end, above.clone()];
     let tab = lines.iter().find_map(|line| tab(text, line));
-    tab.or_else(|| bracket(text, &above))
+    tab.or_else(|| lines.iter().find_map(|line| quote(text, line)))
+        .or_else(|| bracket(text, &above))
         .or_else(|| step(text, &(begin..end), &above))
         .or_else(|| lines.into_iter().find_map(|line| colon(text, line, at)))
+}
+
+/// A prime of a chain within single quotes, which it ends.
+fn quote(text: &str, line: &Range<usize>) -> Option<YamlCause> {
+    let content = text[line.clone()].split(" #").next().unwrap_or_default();
+    let (key, value) = content.split_once(": ")?;
+    let inner = value.trim().strip_prefix('\'')?.strip_suffix('\'')?;
+    let prime = inner.find(|c: char| c == '\'')?;
+    let opened = line.start + content.find('\'')?;
+    let help = format!("double quotes keep the primes: `{}: \"{}\"`", shown(key.trim()), shown(inner));
+    let message = "`'` ends this text, which begins with `'`".to_owned();
+    Some(YamlCause { message, range: opened + 1 + prime..opened + 2 + prime, help })
 }
 
 /// A bracket that its line does not close.

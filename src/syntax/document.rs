@@ -3,7 +3,7 @@
 use super::entry::entry;
 use super::forms::{Forms, deserialize_by_forms};
 use super::geometry::{Branches, PositionEntry, SideEntry, TravelEntry, WrittenChains};
-use super::job_text::JobText;
+use super::job_text::{JobText, TOOL_POSES};
 use super::layer::Layer;
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
@@ -475,8 +475,13 @@ impl SectionReader<'_> {
     fn unknown(&mut self) {
         for key in self.map.keys().filter_map(Value::as_str) {
             let refusal = Diagnostic::new(codes::E0201, format!("unknown key `{}`", shown(key)));
-            let refusal = refusal.at(self.places.key(&keys([key])), "").help(did_you_mean(key, &SECTIONS));
-            self.diagnostics.push(refusal);
+            let help = match key {
+                TOOL_POSES | "place" | "reference" => {
+                    "a job: give its file by `--job`, beside a machine file; or indent it below `job:`".to_owned()
+                }
+                _ => did_you_mean(key, &SECTIONS),
+            };
+            self.diagnostics.push(refusal.at(self.places.key(&keys([key])), "").help(help));
         }
     }
 }

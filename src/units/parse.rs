@@ -34,7 +34,7 @@ pub fn number(text: &str) -> Result<f64, Failure> {
     }
 }
 
-/// Parses a number with a unit, such as `12 um`, `5 arcsec`, `-2 urad/m^2` or `0.02/500`.
+/// Parses a number with a unit, such as `12 um`, `5 arcsec`, `-2 urad/m^2`, `0.02/500` or `0.02 mm/500 mm`.
 pub fn quantity(text: &str) -> Result<Quantity, Failure> {
     let trimmed = text.trim();
     let split = number_end(trimmed);
@@ -53,8 +53,23 @@ pub fn quantity(text: &str) -> Result<Quantity, Failure> {
     if let Some(Ok(divisor)) = rest.strip_prefix('/').map(number) {
         return ratio(value, divisor, trimmed);
     }
+    if let Some((over, under)) = rest.split_once('/').filter(|(_, under)| under.trim().starts_with(char::is_numeric)) {
+        return quotient(value, over, under, trimmed);
+    }
     let (factor, dimension) = unit(rest)?;
     finite(value * factor, dimension, trimmed)
+}
+
+/// The quotient of two lengths, `0.02 mm/500 mm`, as data sheets write squareness.
+fn quotient(value: f64, over: &str, under: &str, text: &str) -> Result<Quantity, Failure> {
+    let (factor, dimension) = unit(over)?;
+    let whole = || Failure::UnknownUnit(format!("{}/{}", over.trim(), under.trim()));
+    if under.contains('/') {
+        return Err(whole());
+    }
+    let divisor = quantity(under)?;
+    let are_lengths = [dimension, divisor.dimension].iter().all(|of| *of == Dimension::LENGTH);
+    if are_lengths { ratio(value * factor, divisor.value, text) } else { Err(whole()) }
 }
 
 fn ratio(value: f64, divisor: f64, text: &str) -> Result<Quantity, Failure> {
@@ -151,6 +166,9 @@ mod tests {
         assert_eq!(value("-400mm"), -400.0);
         assert_eq!(value("5 arcsec"), 5.0 * (std::f64::consts::PI / 648_000.0));
         assert_eq!(value("0.02/500"), 0.02 / 500.0);
+        assert_eq!(value("0.02 mm/500 mm"), 0.02 / 500.0);
+        assert_eq!(value("20um / 0.5m"), 20.0 * 1e-3 / 500.0);
+        assert_eq!(quantity("0.02 mm/500 mm").unwrap().dimension, Dimension::RATIO);
         assert_eq!(quantity("3 um/m").unwrap().dimension, Dimension::RATIO);
         assert!((value("3 um/m") - 3e-6).abs() < 1e-21);
         assert_eq!(quantity("-2 urad/m^2").unwrap().dimension, Dimension { length: -2, angle: 1 });
@@ -166,6 +184,10 @@ mod tests {
         assert!(matches!(quantity("12 furlong"), Err(Failure::UnknownUnit(_))));
         assert!(matches!(quantity("um"), Err(Failure::NotANumber(_))));
         assert!(matches!(quantity("1/0"), Err(Failure::NotFinite(_))));
+        assert!(matches!(quantity("1 um/0 m"), Err(Failure::NotFinite(_))));
+        assert!(matches!(quantity("1 um/5"), Err(Failure::NoUnit(_))));
+        assert!(matches!(quantity("1 um/5 deg"), Err(Failure::UnknownUnit(_))));
+        assert!(matches!(quantity("1 um/2 mm/3 mm"), Err(Failure::UnknownUnit(_))));
     }
 
     #[test]

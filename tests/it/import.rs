@@ -182,7 +182,10 @@ fn one_reading_a_row() {
     assert_eq!(without_comments(&table), TABLE);
     let reasons: Vec<&str> =
         report["left_out"].as_array().unwrap().iter().map(|l| l["reason"].as_str().unwrap()).collect();
-    assert_eq!(reasons, ["marked `probe was bumped`", "`EYY` is no error of axis X"]);
+    assert_eq!(
+        reasons,
+        ["marked `probe was bumped`", "`EYY` is an error of axis Y, but axis X moved: correct `--error` or `--axis`"]
+    );
 }
 
 #[test]

@@ -58,6 +58,14 @@ fn geometry_is_questioned() {
         ("gauge: [0, 0, 0]", "gauge: [-300, 0, 0]", "W0413", "stays 50 mm beside the workpiece origin along X"),
         ("gauge: [0, 0, 0]", "gauge: [0, 235, 0]", "W0413", "stays 10 mm beside the workpiece origin along Y"),
         ("[-120 deg, 30 deg]", "[-2.0944, 0.5236]", "W0413", "from -2.0944 to 0.5236 deg: are these radians?"),
+        ("[-400 mm, 0 mm]", "[0 mm, 400 mm]", "W0413", "stays 260 mm above the workpiece origin along the tool axis"),
+        ("[0 mm, 500 mm]", "[0 in, 20 in]", "W0413", "`axes.C.origin` has 250 without a unit, which is mm"),
+        (
+            "[250, 225, -380] }\nerrors",
+            "[250, 900, -380] }\nup: [0, 1, 0]\nerrors",
+            "W0413",
+            "below the workpiece origin along `up`",
+        ),
         ("EX0C: 6 um", "EX0C: 2.5 mm", "W0413", "`EX0C` is 2.5 mm: is it the place where axis `C` stands"),
     ] {
         let (codes, said) = with(&folder, from, to);
@@ -81,6 +89,8 @@ fn what_is_right_is_not_questioned() {
         ("C: { travel", "C: { sense: direct, travel"),
         ("Y: { travel: [0 mm, 450 mm] }", "Y: { sense: direct, travel: [-450 mm, 0 mm] }"),
         ("EX0C: 6 um", "EX0C: 0.9 mm"),
+        // A pallet below a spindle that lies.
+        ("[250, 225, -380] }\nerrors", "[250, -90, -380] }\nup: [0, 1, 0]\nerrors"),
     ] {
         let (codes, said) = with(&folder, from, to);
         assert!(codes.is_empty(), "{to}: {said}");

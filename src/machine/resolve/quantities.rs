@@ -14,7 +14,11 @@ impl Context<'_> {
     fn unreadable(&mut self, at: &Keys, failure: &Failure) {
         let help = match failure {
             Failure::NoUnit(_) => "add the unit, as in `12 um` or `5 urad`",
-            Failure::UnknownUnit(_) => "nm um mm m in; urad mrad rad arcsec arcmin deg; with / and ^ as in urad/m^2",
+            Failure::UnknownUnit(unit) if matches!(unit.as_str(), "'" | "′" | "min") => "minutes of arc are `arcmin`",
+            Failure::UnknownUnit(unit) if matches!(unit.as_str(), "\"" | "″" | "''" | "sec" | "as") => {
+                "seconds of arc are `arcsec`"
+            }
+            Failure::UnknownUnit(_) => "nm um mm cm m in; urad mrad rad arcsec arcmin deg; with / and ^ as in urad/m^2",
             Failure::DecimalComma(_) => "write a decimal point, as in `1.5 um`",
             Failure::NotFinite(_) => "write a finite number",
             Failure::NotANumber(text) if text.ends_with(".csv") || text.ends_with(".txt") => {

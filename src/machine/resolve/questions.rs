@@ -4,7 +4,7 @@ use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
-use crate::syntax::{Document, Keys, Scalar, keys};
+use crate::syntax::{Document, Keys, PositionEntry, Scalar, TravelEntry, keys};
 use crate::units::{self, Dimension, significant};
 
 /// A translation of a location error from which on it is a position that belongs elsewhere, mm.
@@ -21,18 +21,22 @@ const NEAR: f64 = 0.3;
 const METRES: f64 = 3.0;
 /// A coordinate from which on it is no offset that was measured, mm.
 const OFFSET: f64 = 0.05;
+/// Height above the workpiece origin, in parts of the way of the tip, from which on the tip never comes near it.
+const ABOVE: f64 = 0.5;
 /// A distance that a tip may miss the workpiece by, mm: rounding of drawings.
 const MISSED: f64 = 1.0;
 
-/// Returns what to ask about the geometry of a machine that a document was resolved to.
-pub fn questions(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+/// Returns what to ask about the geometry of a machine that a document was resolved to, with the upward direction that
+/// the document states.
+pub fn questions(document: &Document, machine: &Machine, up: Option<[f64; 3]>) -> Vec<Diagnostic> {
     let mut found = absent(document, machine);
     found.extend(origins(document, machine));
     found.extend(machine.axes().iter().filter_map(|axis| radians(document, axis)));
     found.extend(metres(document, machine));
+    found.extend(bare_beside_inches(document, machine));
     let is_stated = moves(machine) && document.workpiece.as_ref().is_some_and(|workpiece| workpiece.origin.is_some());
     found.extend(
-        misplaced(machine)
+        misplaced(machine, up)
             .filter(|_| is_stated)
             .map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)),
     );
@@ -138,8 +142,49 @@ fn metres(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     found
 }
 
+/// Asks about bare numbers, which are mm, of a file whose travels are in inches.
+fn bare_beside_inches(document: &Document, machine: &Machine) -> Option<Diagnostic> {
+    let entry = |axis: &Axis| document.axes.get(axis.name.as_str())?.as_ref();
+    let linear = || machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
+    let travel = |axis: &Axis| entry(axis)?.travel.as_ref();
+    if !linear().filter_map(travel).any(TravelEntry::is_in_inches) {
+        return None;
+    }
+    let ends = linear().filter_map(|axis| match travel(axis)? {
+        TravelEntry::Range(ends) => Some((keys(["axes", axis.name.as_str(), "travel"]), &ends[..])),
+        TravelEntry::Word(_) => None,
+    });
+    let point = |position: &'_ Option<PositionEntry>| match position {
+        Some(PositionEntry::Point(point)) => Some(point.clone()),
+        Some(PositionEntry::Relative(relative)) => relative.at.clone(),
+        None => None,
+    };
+    let origins = machine
+        .axes()
+        .iter()
+        .filter_map(|axis| Some((keys(["axes", axis.name.as_str(), "origin"]), point(&entry(axis)?.origin)?)));
+    let workpiece =
+        document.workpiece.as_ref().and_then(|of| Some((keys(["workpiece", "origin"]), point(&of.origin)?)));
+    let tool = document.tool.iter().flat_map(|tool| {
+        let length = tool.length.clone().map(|length| vec![length]);
+        let points = [("gauge", tool.gauge.clone()), ("offset", tool.offset.clone()), ("length", length)];
+        points.into_iter().filter_map(|(key, list)| Some((keys(["tool", key]), list?)))
+    });
+    let ends = ends.map(|(at, ends)| (at, ends.to_vec()));
+    let is_bare = |scalar: &Scalar| match scalar {
+        Scalar::Number(value) => *value != 0.0,
+        Scalar::Text(text) => units::number(text).is_ok_and(|value| value != 0.0),
+    };
+    let mut bare = ends.chain(origins).chain(workpiece).chain(tool).filter(|(_, list)| list.iter().any(is_bare));
+    let (at, list) = bare.next()?;
+    let number = list.iter().find(|scalar| is_bare(scalar))?;
+    let message =
+        format!("`{}` has {number} without a unit, which is mm; travels of this file are in inches", at.join("."));
+    Some(ask(document, &at, message, "write the unit behind each number, `15 in` or `15 mm`"))
+}
+
 /// Returns what to ask of a tip that never comes to the workpiece, whatever the linear axes do.
-fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
+fn misplaced(machine: &Machine, up: Option<[f64; 3]>) -> Option<(String, &'static str)> {
     let zero = |axis: &&Axis| axis.kind == AxisKind::Rotary && !axis.travel.contains(0.0);
     let (tip, origin, tool) = (machine.tool().tip, machine.workpiece(), machine.tool().direction);
     if machine.axes().iter().find(zero).is_some() {
@@ -159,20 +204,21 @@ fn misplaced(machine: &Machine) -> Option<(String, &'static str)> {
     let point = |p: [f64; 3]| p.map(|x| significant(x, 6)).join(", ");
     let places = format!("tip [{}], workpiece origin [{}] at the zero pose", point(tip), point(origin));
     let help = "both are in machine coordinates at the zero pose: check `gauge`, `length`, `workpiece` and travels; a \
-                part whose Z is not that of the machine has a `rotation`";
+                part whose Z is not that of the machine has a `rotation`, a spindle that lies an `up: [0, 1, 0]`";
     let (low, high) = reach(tool);
     if high < low + MISSED {
         return None;
     }
     // A part stands on its table, which need not be across the tool.
-    let up = machine.workpiece_rotation().map_or([0.0, 0.0, 1.0], |turn| turn.column(2).into_owned().into());
-    for (high, along) in [(high, "the tool axis"), (reach(up).1, "Z of the part")] {
+    let of_part = || machine.workpiece_rotation().map_or([0.0, 0.0, 1.0], |turn| turn.column(2).into_owned().into());
+    let (up, upwards) = up.map_or_else(|| (of_part(), "Z of the part"), |up| (up, "`up`"));
+    for (high, along) in [(high, "the tool axis"), (reach(up).1, upwards)] {
         if high < -MISSED {
             let by = significant(-high, 4);
             return Some((format!("the tip stays {by} mm below the workpiece origin along {along}: {places}"), help));
         }
     }
-    if low > high - low {
+    if low > ABOVE * (high - low) {
         let by = significant(low, 4);
         return Some((format!("the tip stays {by} mm above the workpiece origin along the tool axis: {places}"), help));
     }

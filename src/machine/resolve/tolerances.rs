@@ -261,7 +261,9 @@ fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors
     if let Some(value) = half_width(context, &figure, &of, &here)
         && all.squareness.insert(pair, value).is_some()
     {
-        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted_path(at)), "remove one of the two");
+        let [first, second] = pair.map(|axis| MAIN_AXES[axis]);
+        let message = format!("the squareness of {first} and {second} is given twice, here as `{}`", dotted_path(at));
+        context.at_key(codes::E0407, at, message, "remove one of the two");
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) enum ExportFailure {
     #[error("`{}` is not a unit of `{}`", shown(.0), .1)]
     NotUnitOf(String, ErrorId),
     /// The error, and the axis that moved.
-    #[error("`{}` is no error of axis {}", .0, shown(.1))]
+    #[error("`{}` is an error of axis {}, but axis {} moved: correct `--error` or `--axis`", .0, .0.axis, shown(.1))]
     ErrorOfOtherAxis(ErrorId, String),
     /// `--continuous` with this axis.
     #[error("axis {} is linear: `--continuous` applies to rotary axes", shown(.0))]
