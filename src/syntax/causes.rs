@@ -28,11 +28,19 @@ pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat>
     } else if is_program(bytes) || is_one_of(&["nc", "ngc", "mpf", "gcode", "tap", "cnc"]) {
         let remedy = "let the CAM system write APT CL data, or a table `X, Y, Z, I, J, K` of tips and tool directions";
         format("a program for a control", remedy)
-    } else if is_one_of(&["yaml", "yml"]) {
+    } else if is_one_of(&["yaml", "yml"]) && is_mapping(bytes) {
         format("a YAML file", "a job is given by `--job`, columns of a table by `--columns`; a table is CSV")
     } else {
         None
     }
+}
+
+/// True if the first line that says something is an entry of a mapping, `key: value`, rather than the header of a table.
+fn is_mapping(bytes: &[u8]) -> bool {
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let said = lines.find(|line| !line.is_empty() && !line.starts_with(b"#")).unwrap_or_default();
+    let key = said.iter().position(|byte| *byte == b':').map(|end| &said[..end]);
+    key.is_some_and(|key| key.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_'))
 }
 
 /// True if the first line is a block of an NC program, such as `N10 G0 X5`.
