@@ -2,8 +2,8 @@
 
 use super::uncertainty::CertificateBands;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SingleErrorResidual,
-    Strongest, ZeroShift, figures, judge_by, micro,
+    Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SignTrials,
+    SingleErrorResidual, Strongest, ZeroShift, figures, judge_by, micro,
 };
 use crate::evaluate::{Bare, Field, Order, Summary};
 use crate::file_set::verdict;
@@ -254,6 +254,9 @@ pub struct CertificateReport {
     /// The entry by which the sign is best tested; none if nothing is corrected.
     #[serde(skip)]
     pub strongest: Option<Strongest>,
+    /// Sign tests of kinematic parameters; none of other mechanisms.
+    #[serde(skip)]
+    pub sign_trials: Option<SignTrials>,
 }
 
 /// Motions that files add at home, or with all axes at 0, by axis, mm and deg.
@@ -328,6 +331,7 @@ impl CertificateReport {
             machine: machine.clone(),
             controller: target.clone(),
             strongest: certificate.strongest,
+            sign_trials: certificate.sign_trials,
         }
     }
 

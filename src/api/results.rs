@@ -62,8 +62,8 @@ pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
 pub use crate::analysis::zone::{CharacteristicKind, ZoneFit};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{
-    CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
-    Strongest, ToolDirection,
+    CompensationDegree, ControllerTarget, Figures, MIN_READING_MM, NumberChange, ProgrammingFigures, ROUNDING_UM,
+    RaisedFigure, SignTrial, SignTrials, SingleErrorResidual, Strongest, ToolDirection,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};

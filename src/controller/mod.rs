@@ -27,7 +27,10 @@ pub use certificate::{
 };
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, ProgramManifest, ProgramWords, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
-pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
+pub use kinematics::{
+    KinematicsModule, MIN_READING_MM, ModuleField, ModuleModel, NumberChange, Parameters, RotaryLine, SignTrial,
+    SignTrials, Transformation,
+};
 pub use manifest::{
     AssignedAxis, Certainty, Controller, ControllerTarget, Level, Manifest, NAMES, TemplateLimit, TemplateWatch,
     axis_letters, by_number, is_plain_name, unknown_target,

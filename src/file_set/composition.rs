@@ -191,6 +191,7 @@ impl Composition {
         both.manifest.title = format!("{}; {}", first.title, second.title);
         both.manifest.sign_test =
             format!("{}: {} {}: {}", first.target, first.sign_test.trim(), second.target, second.sign_test.trim());
+        both.manifest.trial = first.trial.clone();
         both
     }
 

@@ -1,5 +1,5 @@
 //! Kinematic parameters: the written numbers, put into the transformations as the manuals state them, place tip and tool
-//! axis where the oracle's machine has them; numbers by hand; sign tests as they are printed; refusals.
+//! axis where the oracle's machine has them; numbers by hand; displaced lines; refusals.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -533,9 +533,9 @@ pub fn moved(text: &str, target: &str, file: &str, changes: &[(&str, f64)], pose
     minus(commands[1], commands[0])
 }
 
-/// The tests that the manifests print, carried out in the replay.
+/// Displaced lines, carried out in the replay, with readings by hand.
 #[test]
-fn sign_tests_as_printed() {
+fn displaced_lines_by_hand() {
     let near = |found: V3, wanted: V3| assert!(norm(minus(found, wanted)) < 2e-4, "{found:?}, wanted {wanted:?}");
     let text = table_table("");
     let half = [("C", 180.0), ("X", 200.0), ("Y", 100.0), ("Z", -100.0)];

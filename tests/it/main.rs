@@ -137,6 +137,7 @@ mod sentences;
 mod short_curves;
 mod show;
 mod sides;
+mod sign_trials;
 mod spikes;
 mod straightness;
 mod support;

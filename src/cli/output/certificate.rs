@@ -6,8 +6,9 @@ use super::view::table;
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
-    ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
+    Axis, AxisKind, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate,
+    MIN_READING_MM, Machine, NumberChange, ReferenceShift, SeenCorrection, SignTrial, SignTrials, SingleErrorResidual,
+    Summary, ToolDirection,
 };
 use abbe::text::{counted, micro, significant};
 use std::path::Path;
@@ -234,8 +235,14 @@ impl CertificateView<'_> {
         text
     }
 
-    /// A test at the machine with a number from these files.
+    /// A test at the machine with numbers from these files.
     fn sign_test(&self) -> String {
+        let trials = self.report.sign_trials.as_ref().map_or_else(String::new, |trials| self.trials(trials));
+        trials + &self.test_of_all()
+    }
+
+    /// Returns the test of all numbers together, where they move an axis most.
+    fn test_of_all(&self) -> String {
         let Some(strongest) = &self.report.strongest else { return String::new() };
         let axes = self.report.machine.axes();
         let place: Vec<String> = axes
@@ -251,16 +258,67 @@ impl CertificateView<'_> {
         };
         let by = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
         let (name, added, other) = (&axis.name, by(strongest.value), by(0.0 - strongest.value));
+        let place = place.join(", ");
+        let small = axis.kind == AxisKind::Linear && strongest.value.abs() < MIN_READING_MM;
+        if self.report.sign_trials.is_some() {
+            let least = 1e3 * MIN_READING_MM;
+            return if small {
+                format!("These numbers move no axis by {least} um: the steps above are the test.\n")
+            } else {
+                format!(
+                    "Then load the new numbers in place of those before: for the block at {place} the position of \
+                     {name} must change by {added}; by {other} means a wrong sign.\n"
+                )
+            };
+        }
         // Tables beside a module are not switched with it.
         let (what, they) = if self.report.controller.manifest.kinematics().is_some() {
             ("the module adds", "it")
         } else {
             ("the files add", "they")
         };
+        let caution = if small { " That may be too little to read: rely on the change above.\n" } else { "\n" };
         format!(
-            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change the reading of an \
-             instrument along {name} by {added}; by {other} means a wrong sign.\n",
-            place.join(", "),
+            "Then measure: at {place}{coming}, {what} {added} to {name}. Switched on, {they} must change the reading \
+             of an instrument along {name} by {added}; by {other} means a wrong sign.{caution}",
+        )
+    }
+
+    /// Returns the steps of a sign test of kinematic parameters.
+    fn trials(&self, trials: &SignTrials) -> String {
+        let Some(words) = &self.report.controller.manifest.trial else { return String::new() };
+        let mut text = format!(
+            "Each step by itself, from the numbers in force. Move to the positions stated, run this block {}, and read \
+             {}. Make the change. {} Run the same block, and read again. Another difference than stated refutes the \
+             sense or the place of the numbers changed.\n",
+            words.with, words.read, words.activate
+        );
+        for (n, trial) in trials.trials.iter().enumerate() {
+            text.push_str(&self.trial(n + 1, trial));
+        }
+        if !trials.untested.is_empty() {
+            let names = trials.untested.join(", ");
+            text.push_str(&format!("No change that can be read within the travels tests these vectors: {names}.\n"));
+        }
+        text
+    }
+
+    fn trial(&self, number: usize, trial: &SignTrial) -> String {
+        let axes = self.report.machine.axes();
+        let changes: Vec<String> = trial.changes.iter().map(signed).collect();
+        let place: Vec<String> =
+            axes.iter().zip(&trial.pose).map(|(axis, q)| format!("{} {}", axis.name, significant(*q, 7))).collect();
+        let tool = trial.tool_length_mm.map_or_else(String::new, |mm| format!(", with a tool length of {mm} mm"));
+        let name = &axes[trial.axis].name;
+        let by = |mm: f64| if mm.abs() < UNMOVED_MM { "0 mm".to_owned() } else { format!("{mm:+.3} mm") };
+        let turned = axes.iter().zip(&trial.pose).any(|(axis, q)| axis.kind == AxisKind::Rotary && *q != 0.0);
+        let unturned =
+            if turned { format!(" With the rotary axes at 0: {}.", by(trial.unturned_mm)) } else { String::new() };
+        format!(
+            "  {number}. {}. At {}{tool}: {name} must change by {}.{unturned}\n",
+            changes.join(", "),
+            place.join(" "),
+            by(trial.reading_mm)
         )
     }
 
@@ -296,6 +354,14 @@ impl CertificateView<'_> {
     }
 }
 
+/// Returns a change of a number in words.
+fn signed(change: &NumberChange) -> String {
+    match change.by.strip_prefix('-') {
+        Some(amount) => format!("lower {} by {amount}", change.name),
+        None => format!("raise {} by {}", change.name, change.by),
+    }
+}
+
 /// Returns the direction of approach in words.
 fn approached(direction: Approach) -> &'static str {
     match direction {
@@ -324,6 +390,9 @@ fn figures_table(before: &Figures, after: &Figures) -> comfy_table::Table {
 
 /// Below this (um) an error does nothing at the functional point.
 const NO_EFFECT: f64 = 0.05;
+
+/// Motion that a display of 1 um does not show, mm.
+const UNMOVED_MM: f64 = 5e-4;
 
 /// The tool in words: a table holds for its length.
 fn tool(machine: &Machine, target: &ControllerTarget) -> String {

@@ -4,6 +4,7 @@ use super::figures::{Figures, RaisedFigure};
 use super::sign_test::Strongest;
 use super::single_error::SingleErrorResidual;
 use super::zero_shift::ZeroShift;
+use crate::controller::kinematics::SignTrials;
 use crate::machine::Approach;
 
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.
@@ -34,6 +35,8 @@ pub struct Certificate {
     pub programming: Vec<ProgrammingFigures>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
+    /// Sign tests of kinematic parameters; none of other mechanisms.
+    pub sign_trials: Option<SignTrials>,
 }
 
 /// The way in which blocks program the direction of the tool.

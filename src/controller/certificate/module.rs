@@ -4,7 +4,7 @@ use super::Certificate;
 use super::content::{ProgrammingFigures, ToolDirection};
 use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, deviations, figures, figures_of, judge};
-use super::sign_test::strongest_at;
+use super::sign_test::{strongest_at, strongest_of};
 use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
 use super::tables::TablesUnderTest;
 use crate::compensation::CorrectionTables;
@@ -49,6 +49,7 @@ pub(in crate::controller) fn judge_module(
     // The largest motion that the module alone adds to correct the position.
     let positioning = set.module.clone().without_orientation();
     let module = ModuleField::new(machine, &positioning);
+    let parameters = set.module.parameters();
     Certificate {
         poses: poses.len(),
         approach,
@@ -60,11 +61,12 @@ pub(in crate::controller) fn judge_module(
         shifted: None,
         straight: None,
         raised,
-        programming: set
-            .module
-            .parameters()
-            .map_or_else(Vec::new, |own| programming(machine, own, set, &poses, approach.into())),
-        strongest: strongest_at(machine, &poses, &[Approach::Mean], |at| module.addition(at)),
+        programming: parameters.map_or_else(Vec::new, |own| programming(machine, own, set, &poses, approach.into())),
+        strongest: match parameters {
+            Some(_) => strongest_of(machine, &poses, &[Approach::Mean], |at| module.addition(at)),
+            None => strongest_at(machine, &poses, &[Approach::Mean], |at| module.addition(at)),
+        },
+        sign_trials: parameters.map(|parameters| parameters.sign_trials(machine)),
     }
 }
 

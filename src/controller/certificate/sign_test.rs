@@ -21,7 +21,7 @@ pub struct Strongest {
 const ROUNDING: f64 = 1e-10;
 
 /// Returns the largest motion over poses and directions of approach.
-fn strongest_of(
+pub(super) fn strongest_of(
     machine: &Machine,
     poses: &[Pose],
     approaches: &[Approach],

@@ -107,5 +107,6 @@ pub(in crate::controller) fn judge_tables(
         straight: (target.manifest.controller.interpolation == Interpolation::StepOrLinear).then(straight),
         programming: Vec::new(),
         strongest: strongest(machine, tables, &poses, |at| replay.addition(at)),
+        sign_trials: None,
     }
 }

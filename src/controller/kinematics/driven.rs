@@ -67,7 +67,7 @@ impl<'a> ModuleField<'a> {
     }
 }
 
-fn programmed_block<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
+pub(super) fn programmed_block<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
     let nominal = NominalPose::at(machine, pose).pose;
     let [gauge, tip, nominal_axis] =
         [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);

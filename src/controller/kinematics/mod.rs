@@ -35,6 +35,7 @@ mod rotary_lines;
 mod solve;
 mod topology;
 mod transformation;
+mod trials;
 
 pub use carry::KinematicsModule;
 pub use data::{CurveData, Form, ModuleJoint, ModuleModel, ModuleWords};
@@ -43,3 +44,4 @@ pub(crate) use found_lines::{FoundLine, found_lines};
 pub use parameters::Parameters;
 pub use solve::World;
 pub use transformation::{RotaryLine, Transformation};
+pub use trials::{MIN_READING_MM, NumberChange, SignTrial, SignTrials};

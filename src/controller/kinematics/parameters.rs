@@ -18,7 +18,7 @@ pub struct Parameters {
     #[serde(skip)]
     pub(super) rules: ParameterRules,
     #[serde(skip)]
-    increment: Increment,
+    pub(super) increment: Increment,
     #[serde(skip)]
     max_offset_mm: Option<f64>,
     /// The numbers, in the order of the file: mm, and components of unit vectors.
@@ -197,7 +197,7 @@ impl Parameters {
 }
 
 /// Units in one mm (of directions in one), and decimals.
-fn step(increment: Increment, offset: bool) -> (f64, u8) {
+pub(super) fn step(increment: Increment, offset: bool) -> (f64, u8) {
     if offset {
         (increment.position_scale.mm, increment.position_decimals)
     } else {
@@ -229,7 +229,7 @@ impl ParameterRules {
     }
 
     /// For each number, in the order of the file: true if it is of an offset.
-    fn offsets(&self) -> Vec<bool> {
+    pub(super) fn offsets(&self) -> Vec<bool> {
         let of = |vector: &ParameterVector| {
             let offset = matches!(vector, ParameterVector::Offset { .. });
             vec![offset; vector.names().iter().flatten().count()]
@@ -238,7 +238,7 @@ impl ParameterRules {
     }
 
     /// The numbers of a transformation, in the order of the file.
-    fn numbers(&self, of: &Transformation) -> Vec<f64> {
+    pub(super) fn numbers(&self, of: &Transformation) -> Vec<f64> {
         let named = |vector: &ParameterVector| {
             let components = of.vector(vector);
             let named = vector.names().iter().zip(components.iter().copied().collect::<Vec<f64>>());

@@ -21,6 +21,8 @@ pub struct Manifest {
     pub certainty: CertaintyOf,
     /// A dry test of the sign at the machine.
     pub sign_test: String,
+    /// The words of the control for sign tests of kinematic parameters; stated by every target of these.
+    pub trial: Option<TrialWords>,
     /// The mechanisms of its compensation.
     pub mechanism: Mechanisms,
     /// The arithmetic of its look-up.
@@ -32,6 +34,18 @@ pub struct Manifest {
     pub ascii: bool,
     /// The files.
     pub files: Vec<FileSpec>,
+}
+
+/// The words of a control for sign tests of kinematic parameters.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialWords {
+    /// How changed numbers come into force, in the imperative.
+    pub activate: String,
+    /// The state in which the block runs.
+    pub with: String,
+    /// The display on which positions of the axes are read.
+    pub read: String,
 }
 
 /// The certainty of syntax and sign.
