@@ -19,6 +19,7 @@ mod loaded;
 #[path = "../it/oracle/mod.rs"]
 #[allow(dead_code, reason = "shared with the tests that need no controller")]
 mod oracle;
+mod switching;
 mod tables;
 
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 17] = [
+const CHECKS: [checks::Check; 18] = [
     ("parameters and tables together, xyzac-trt and xyzbc-trt", composed::tilting_tables),
     ("parameters and tables together, 5axiskins", composed::head),
     ("parameters and tables together, maxkins", composed::head_over_table),
@@ -42,6 +43,7 @@ const CHECKS: [checks::Check; 17] = [
     ("error model in the kinematics, head and table", kins::head_table),
     ("error model in the kinematics, lathe without Y", kins_topologies::lathe),
     ("error model in the kinematics, robot", kins_topologies::robot),
+    ("M428 and M429 with the error model", switching::switching),
     ("the simulation of the kinematics, with the stock launcher", kins::launcher),
     ("the harness notices a spoiled module", kins::spoiled),
 ];

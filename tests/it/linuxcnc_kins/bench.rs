@@ -38,6 +38,11 @@ pub struct Ask {
 impl Module {
     /// Builds the module of a compiled set, any warning being an error.
     pub fn build(set: &Path) -> Self {
+        Self::build_with(set, &[])
+    }
+
+    /// The same with flags of the compiler.
+    pub fn build_with(set: &Path, flags: &[&str]) -> Self {
         let folder = Folder::new();
         let component = std::fs::read_to_string(set.join("abbekins.comp")).unwrap();
         let (declarations, wiring) = component.split_once("\n;;\n").unwrap();
@@ -46,7 +51,10 @@ impl Module {
         let main = std::fs::read_to_string(shim.join("kins_main.c")).unwrap();
         let _ = folder.write("all.c", &format!("#include \"shim.h\"\n{wiring}\n{main}"));
         let mut cc = Command::new("cc");
-        cc.args(["-std=c99", "-D_POSIX_C_SOURCE=199309L", "-Wall", "-Wextra", "-Werror", "-O0", "-I"]).arg(&shim);
+        cc.args(["-std=c99", "-D_POSIX_C_SOURCE=199309L", "-Wall", "-Wextra", "-Werror", "-O0"])
+            .args(flags)
+            .arg("-I")
+            .arg(&shim);
         let done =
             cc.arg("-I").arg(set).arg("-o").arg(folder.path("all")).arg(folder.path("all.c")).arg("-lm").output();
         let done = done.unwrap();

@@ -167,6 +167,21 @@ fn the_sign_test_is_what_the_module_does() {
     }
 }
 
+/// The module builds where pins are written by setters alone, as LinuxCNC after 2.9 has it, and answers the same. The
+/// declarations of its pins are the old ones: `halcompupdate` rewrites them.
+#[test]
+fn pins_are_written_by_setters_where_there_are_some() {
+    let folder = Folder::new();
+    let (_, out) = set(&folder);
+    let sample = crate::support::config::sample(&config("vmc-cframe-754.yaml"));
+    let bench = Bench::new(&sample, &out);
+    let asked: Vec<Ask> = poses(&sample, &mut Random::new(7), 5).iter().map(|pose| bench.ask(pose, 1.0)).collect();
+    let both = [&[][..], &["-DSHIM_SETTERS"]].map(|flags| Module::build_with(&out, flags).answers(&asked));
+    assert!(both[0].iter().zip(&both[1]).all(|(a, b)| a.joints == b.joints && a.back == b.back));
+    let component = std::fs::read_to_string(out.join("abbekins.comp")).unwrap();
+    assert!(component.contains("for LinuxCNC 2.9;"));
+}
+
 /// A text that is no pose is refused, and the controller stops with a message; the next pose is taken again.
 #[test]
 fn absurd_poses_are_failures() {
