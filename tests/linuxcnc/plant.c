@@ -1,7 +1,7 @@
 /* A machine behind the controller: where its axes stand, a touch probe in its spindle meets balls on its table.
  *
- * A realtime component (halcompile), and with -DOFFLINE a library for Python without a controller. It shares nothing with
- * abbe: axes are screws in machine coordinates, the machine of the file has them a little elsewhere than drawn.
+ * A realtime component (halcompile), and with -DOFFLINE a library for Python without a controller. It shares nothing
+ * with abbe: axes are screws in machine coordinates, the machine of the file has them a little elsewhere than drawn.
  *
  * The file has a line for each thing, numbers apart by blanks, mm and rad, machine coordinates with all axes at 0:
  *   axis JOINT ROTARY TOOLSIDE SENSE  ux uy uz  ox oy oz  dx dy dz  ra rb rc  PLAY
