@@ -35,7 +35,7 @@ pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat>
     }
 }
 
-/// True if the first line that says something is an entry of a mapping, `key: value`, rather than the header of a table.
+/// True if the first line that says something is an entry `key: value` of a mapping, not the header of a table.
 fn is_mapping(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let said = lines.find(|line| !line.is_empty() && !line.starts_with(b"#")).unwrap_or_default();
@@ -87,7 +87,7 @@ fn quote(text: &str, line: &Range<usize>) -> Option<YamlCause> {
     let content = text[line.clone()].split(" #").next().unwrap_or_default();
     let (key, value) = content.split_once(": ")?;
     let inner = value.trim().strip_prefix('\'')?.strip_suffix('\'')?;
-    let prime = inner.find(|c: char| c == '\'')?;
+    let prime = inner.find('\'')?;
     let opened = line.start + content.find('\'')?;
     let help = format!("double quotes keep the primes: `{}: \"{}\"`", shown(key.trim()), shown(inner));
     let message = "`'` ends this text, which begins with `'`".to_owned();
