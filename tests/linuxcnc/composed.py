@@ -126,15 +126,11 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
-    try:
-        package = session.assert_version()
+    def measured():
         with open(arguments.program) as source:
-            result = run(arguments.directory, source.read(), arguments.keep)
-    except session.SessionFailed as failure:
-        print(failure, file=sys.stderr)
-        return 1
-    print(json.dumps({"package": package, **result}))
-    return 0
+            return run(arguments.directory, source.read(), arguments.keep)
+
+    return session.report(measured)
 
 
 if __name__ == "__main__":

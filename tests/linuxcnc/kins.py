@@ -247,19 +247,13 @@ def main():
     parser.add_argument("--launcher", action="store_true")
     parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
-    try:
-        package = session.assert_version()
+    def measured():
         if arguments.launcher:
-            result = launch(arguments.directory, arguments.keep)
-        else:
-            with open(arguments.program) as source:
-                result = run(arguments.directory, source.read(), arguments.keep)
-    except session.SessionFailed as failure:
-        print(failure, file=sys.stderr)
-        return 1
-    result["package"] = package
-    print(json.dumps(result))
-    return 0
+            return launch(arguments.directory, arguments.keep)
+        with open(arguments.program) as source:
+            return run(arguments.directory, source.read(), arguments.keep)
+
+    return session.report(measured)
 
 
 if __name__ == "__main__":

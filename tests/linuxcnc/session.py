@@ -7,6 +7,7 @@ ends the kernel ends every daemon with it. The inner half, `Controller`, is used
 by the worker.
 """
 
+import json
 import os
 import shutil
 import subprocess
@@ -49,6 +50,17 @@ def assert_version():
     if not number.startswith(TESTED_VERSION):
         raise SessionFailed(f"{PACKAGE} {number} is not the measured {TESTED_VERSION}")
     return number
+
+
+def report(measure):
+    """Prints what a measurement returns, with the package, as JSON; the exit code. Another version is refused."""
+    try:
+        result = {"package": assert_version(), **measure()}
+    except SessionFailed as failure:
+        print(failure, file=sys.stderr)
+        return 1
+    print(json.dumps(result))
+    return 0
 
 
 class RunDir:

@@ -127,15 +127,7 @@ def main():
     parser.add_argument("--identity-first", action="store_true")
     parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
-    try:
-        package = session.assert_version()
-        result = run(arguments.directory, arguments.identity_first, arguments.keep)
-    except session.SessionFailed as failure:
-        print(failure, file=sys.stderr)
-        return 1
-    result["package"] = package
-    print(json.dumps(result))
-    return 0
+    return session.report(lambda: run(arguments.directory, arguments.identity_first, arguments.keep))
 
 
 if __name__ == "__main__":
