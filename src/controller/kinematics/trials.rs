@@ -35,7 +35,7 @@ pub struct SignTrial {
 pub struct NumberChange {
     /// The controller's name.
     pub name: String,
-    /// What is added to it, with sign.
+    /// Amount that is added to it, with its sign.
     pub by: String,
 }
 
