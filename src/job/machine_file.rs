@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Look, Machine};
 use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
-use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles, TravelEntry};
+use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles};
 use crate::units::counted;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -179,8 +179,7 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let look = document.as_ref().map(|d| machine::look(d, files, &mut call.diagnostics)).unwrap_or_default();
     call.check()?;
     let machine = machine.ok_or(Refused)?;
-    let travels = document.iter().flat_map(|d| d.axes.values().flatten()).filter_map(|axis| axis.travel.as_ref());
-    let in_inches = travels.into_iter().any(TravelEntry::is_in_inches);
+    let in_inches = document.as_ref().is_some_and(syntax::Document::is_in_inches);
     let questions = document.as_ref().map_or_else(Vec::new, |document| machine::questions(document, &machine, look.up));
     let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());

@@ -487,6 +487,12 @@ impl SectionReader<'_> {
 }
 
 impl Document {
+    /// True if an end of a travel is written in inches.
+    pub fn is_in_inches(&self) -> bool {
+        let travels = self.axes.values().flatten().filter_map(|axis| axis.travel.as_ref());
+        travels.into_iter().any(TravelEntry::is_in_inches)
+    }
+
     /// Types every section; what does not fit is reported and left out.
     pub(super) fn from_layer(layer: Layer, diagnostics: &mut Diagnostics) -> Self {
         let mut reader = SectionReader { map: layer.map, places: layer.places, diagnostics };

@@ -142,35 +142,34 @@ fn metres(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     found
 }
 
+/// Returns the numbers of a position, machine coordinates or from a named point.
+fn point(position: &Option<PositionEntry>) -> Option<&[Scalar]> {
+    match position.as_ref()? {
+        PositionEntry::Point(point) => Some(point),
+        PositionEntry::Relative(relative) => relative.at.as_deref(),
+    }
+}
+
 /// Asks about bare numbers, which are mm, of a file whose travels are in inches.
 fn bare_beside_inches(document: &Document, machine: &Machine) -> Option<Diagnostic> {
-    let entry = |axis: &Axis| document.axes.get(axis.name.as_str())?.as_ref();
-    let linear = || machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
-    let travel = |axis: &Axis| entry(axis)?.travel.as_ref();
-    if !linear().filter_map(travel).any(TravelEntry::is_in_inches) {
+    if !document.is_in_inches() {
         return None;
     }
-    let ends = linear().filter_map(|axis| match travel(axis)? {
+    let entry = |axis: &Axis| document.axes.get(axis.name.as_str())?.as_ref();
+    let linear = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
+    let ends = linear.filter_map(|axis| match entry(axis)?.travel.as_ref()? {
         TravelEntry::Range(ends) => Some((keys(["axes", axis.name.as_str(), "travel"]), &ends[..])),
         TravelEntry::Word(_) => None,
     });
-    let point = |position: &'_ Option<PositionEntry>| match position {
-        Some(PositionEntry::Point(point)) => Some(point.clone()),
-        Some(PositionEntry::Relative(relative)) => relative.at.clone(),
-        None => None,
-    };
-    let origins = machine
-        .axes()
-        .iter()
-        .filter_map(|axis| Some((keys(["axes", axis.name.as_str(), "origin"]), point(&entry(axis)?.origin)?)));
+    let origin = |axis: &Axis| Some((keys(["axes", axis.name.as_str(), "origin"]), point(&entry(axis)?.origin)?));
+    let origins = machine.axes().iter().filter_map(origin);
     let workpiece =
         document.workpiece.as_ref().and_then(|of| Some((keys(["workpiece", "origin"]), point(&of.origin)?)));
     let tool = document.tool.iter().flat_map(|tool| {
-        let length = tool.length.clone().map(|length| vec![length]);
-        let points = [("gauge", tool.gauge.clone()), ("offset", tool.offset.clone()), ("length", length)];
+        let length = tool.length.as_ref().map(std::slice::from_ref);
+        let points = [("gauge", tool.gauge.as_deref()), ("offset", tool.offset.as_deref()), ("length", length)];
         points.into_iter().filter_map(|(key, list)| Some((keys(["tool", key]), list?)))
     });
-    let ends = ends.map(|(at, ends)| (at, ends.to_vec()));
     let is_bare = |scalar: &Scalar| match scalar {
         Scalar::Number(value) => *value != 0.0,
         Scalar::Text(text) => units::number(text).is_ok_and(|value| value != 0.0),
