@@ -40,7 +40,7 @@ pub struct Manifest {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialWords {
-    /// How changed numbers come into force, in the imperative.
+    /// Action by which changed numbers come into force, in the imperative.
     pub activate: String,
     /// The state in which the block runs.
     pub with: String,
