@@ -54,6 +54,30 @@ pub(crate) struct CertificateScope {
     in_machine: bool,
 }
 
+impl CertificateScope {
+    /// Returns what a machine with files is judged over, and the figures without and with them: over the job, if there
+    /// is one, or else over the volume.
+    pub(crate) fn judge(&self, machine: &Machine, field: &dyn Field) -> (Over, Judgement) {
+        if let Some(work) = &self.job {
+            return work.judge(machine, field);
+        }
+        let poses = self.depth.poses(machine);
+        let set_up = match self.in_machine {
+            true => SetUp::machine(),
+            false => SetUp::less_unheld(machine, machine.unheld(), &poses),
+        };
+        let over = Over::new(OverKind::Volume, machine, &set_up.reference, [poses.len(); 2]);
+        (over, judge(field, &set_up, &poses))
+    }
+}
+
+impl WorkOfCertificate {
+    fn judge(&self, machine: &Machine, field: &dyn Field) -> (Over, Judgement) {
+        let over = Over::work(machine, &self.set_up.reference, Some(&self.reached), 0);
+        (over, judge(field, &self.set_up, &self.reached.poses))
+    }
+}
+
 impl CertifiedWork {
     /// Returns the files of the job.
     pub(crate) fn job_paths(&self) -> JobPaths<'_> {
@@ -105,10 +129,8 @@ pub struct JobCertificate {
 
 impl JobCertificate {
     fn new(machine: &Machine, field: &dyn Field, work: &WorkOfCertificate) -> Self {
-        let WorkOfCertificate { reached, set_up } = work;
-        let Judgement { approach: direction, uncompensated, compensated, raised } =
-            judge(field, set_up, &reached.poses);
-        let over = Over::work(machine, &set_up.reference, Some(reached), 0);
+        let (over, judged) = work.judge(machine, field);
+        let Judgement { approach: direction, uncompensated, compensated, raised } = judged;
         Self { over, direction, uncompensated, compensated, raised }
     }
 

@@ -16,6 +16,7 @@ pub use super::classify::{
 };
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compare_figures::{FittedComparison, FittedMachine, JudgedDifference, MachineVerdict};
+pub use super::compare_targets::{RefusedTarget, TargetComparison, TargetResidual};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
 pub use super::compose::{ComposedPart, ComposedSet};

@@ -9,7 +9,7 @@ use super::table_set::{self, TableRequest};
 use super::{found_set, verdict};
 use crate::compensation::{CorrectionTables, Scope};
 use crate::controller::{
-    Certificate, ControllerEffect, ControllerTarget, Depth, Figures, KinematicsModule, LOCK_NAME, Limits, Lock,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Figures, KinematicsModule, LOCK_NAME, Limits, Lock, NAMES,
     Parameters, RenderedFile, TablesUnderTest, certify_sets,
 };
 use crate::diagnostic::{Diagnostic, codes};
@@ -84,6 +84,24 @@ pub(crate) fn compose(
     Ok((composition, [module.rendered, rendered.rendered]))
 }
 
+/// Composes two targets as `compile` does without further options.
+pub(super) fn compose_named(
+    call: &mut Call,
+    machine: &Machine,
+    targets: &[String],
+    options: &CompensationOptions,
+) -> Result<Composition, Refused> {
+    let targets = split(call, targets, options)?;
+    let request = ComposedRequest {
+        compensation: options,
+        in_force: InForce::default(),
+        max_correction: Limits::default(),
+        lattice: &[],
+        max_nodes: usize::MAX,
+    };
+    Ok(compose(call, machine, targets.0, targets.1, request)?.0)
+}
+
 /// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
 /// certificate. Nothing is written.
 pub(crate) fn effect_of_composed(
@@ -93,15 +111,7 @@ pub(crate) fn effect_of_composed(
     options: &CompensationOptions,
     depth: Depth,
 ) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
-    let targets = split(call, targets, options)?;
-    let request = ComposedRequest {
-        compensation: options,
-        in_force: InForce::default(),
-        max_correction: Limits::default(),
-        lattice: &[],
-        max_nodes: usize::MAX,
-    };
-    let (composition, _) = compose(call, machine, targets.0, targets.1, request)?;
+    let composition = compose_named(call, machine, targets, options)?;
     let (certificate, _) = composition.certify(machine, depth, call)?;
     let (effect, _) = composition.effect();
     Ok((composition.both(), effect, certificate))
@@ -131,7 +141,6 @@ pub(crate) fn split(
     for name in names {
         found.push(plain.target(call, name)?);
     }
-    let of_parameters = |target: &ControllerTarget| target.manifest.kinematics().map(|own| !own.machines.is_empty());
     let (mut parameters, mut tables) = (Vec::new(), Vec::new());
     for target in found {
         match of_parameters(&target) {
@@ -153,6 +162,23 @@ pub(crate) fn split(
     let help = "name one target of kinematic parameters, such as sinumerik-traori, and one of tables for what they \
                 leave, such as sinumerik-cec";
     call.refuse(Diagnostic::new(codes::E0711, message).help(help))
+}
+
+/// True if a target writes kinematic parameters, false if it replaces the kinematics, `None` if it writes tables.
+fn of_parameters(target: &ControllerTarget) -> Option<bool> {
+    target.manifest.kinematics().map(|own| !own.machines.is_empty())
+}
+
+/// Returns the built-in targets of one control that go together: parameters and tables. Names of targets begin with
+/// that of the control.
+pub(crate) fn pairs() -> Vec<[&'static str; 2]> {
+    let kind = |name: &str| ControllerTarget::builtin(name).map(|target| of_parameters(&target));
+    let control = |name: &'static str| name.split_once('-').map_or(name, |(control, _)| control);
+    let parameters = || NAMES.iter().copied().filter(|name| kind(name) == Some(Some(true)));
+    let tables: Vec<&str> = NAMES.iter().copied().filter(|name| kind(name) == Some(None)).collect();
+    let beside =
+        |first: &'static str| tables.iter().filter(move |of| control(of) == control(first)).map(move |of| [first, *of]);
+    parameters().flat_map(beside).collect()
 }
 
 /// The machine that parameters leave to tables.
@@ -234,7 +260,7 @@ impl Composition {
     }
 
     /// The effect of both, and the target whose tables it has.
-    fn effect(&self) -> (ControllerEffect, ControllerTarget) {
+    pub(super) fn effect(&self) -> (ControllerEffect, ControllerTarget) {
         let module = KinematicsModule::KinematicParameters(self.parameters.clone());
         (ControllerEffect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
     }

@@ -13,30 +13,38 @@ use crate::machine::Machine;
 use crate::run::{Call, Refused};
 use std::path::Path;
 
-/// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
-/// is written.
-fn compile_effect(
+/// Returns the effect of a target on a machine by the files that `compile` would write. Nothing is written.
+fn render_effect(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     options: &CompensationOptions,
-    depth: Depth,
-) -> Result<(ControllerEffect, Certificate), Refused> {
-    let (effect, certificate) = if target.manifest.kinematics().is_some() {
+) -> Result<ControllerEffect, Refused> {
+    if target.manifest.kinematics().is_some() {
         let set = module_set::render(call, machine, target, ModuleRequest::plain(options.orientation()))?;
-        let (module, beside) = (set.module, set.beside);
-        let certificate = certify_kinematics(machine, target, &module, &beside, depth);
-        (ControllerEffect::Module(Box::new(module), beside), certificate)
-    } else {
-        let request = TableRequest::plain(options.scope());
-        let tables = table_set::render(call, machine, target, &request, None)?.tables;
-        let judged = TablesUnderTest { target, tables: &tables, installed: None };
-        let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
-        (ControllerEffect::CorrectionTables(tables), certificate)
-    };
-    call.extend(verdict::warnings(&certificate));
+        return Ok(ControllerEffect::Module(Box::new(set.module), set.beside));
+    }
+    let request = TableRequest::plain(options.scope());
+    Ok(ControllerEffect::CorrectionTables(table_set::render(call, machine, target, &request, None)?.tables))
+}
+
+/// Returns the effect by the name of a target, or by those of two as [`named_effect`] does, without a certificate.
+pub(crate) fn uncertified_effect(
+    call: &mut Call,
+    machine: &Machine,
+    name: &str,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, ControllerEffect), Refused> {
+    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
+    if names.len() > 1 {
+        let composition = composition::compose_named(call, machine, &names, options)?;
+        let (effect, _) = composition.effect();
+        return Ok((composition.both(), effect));
+    }
+    let target = options.target(call, name)?;
+    let effect = render_effect(call, machine, &target, options)?;
     call.check()?;
-    Ok((effect, certificate))
+    Ok((target, effect))
 }
 
 /// Returns the effect of a target by its name, or of two whose names are joined by a plus sign: kinematic parameters
@@ -57,7 +65,16 @@ pub(crate) fn named_effect(
         return composition::effect_of_composed(call, machine, &names, options, depth);
     }
     let target = options.target(call, name)?;
-    let (effect, certificate) = compile_effect(call, machine, &target, options, depth)?;
+    let effect = render_effect(call, machine, &target, options)?;
+    let certificate = match &effect {
+        ControllerEffect::Module(module, beside) => certify_kinematics(machine, &target, module, beside, depth),
+        ControllerEffect::CorrectionTables(tables) => {
+            let judged = TablesUnderTest { target: &target, tables, installed: None };
+            certify(machine, judged, options.scope(), depth.poses, depth.seed)
+        }
+    };
+    call.extend(verdict::warnings(&certificate));
+    call.check()?;
     Ok((target, effect, certificate))
 }
 

@@ -5,10 +5,11 @@ use crate::analysis::budget::Statistic;
 use crate::api::results::{
     BudgetResult, CertificateBands, CertificateReport, CompareResult, ComparedMachine, EnumerateResult,
     EquationsResult, EvalResult, IdentifyResult, MachineDifference, MachineVerdict, MapResult, MeasurementPlan, Over,
-    OverKind, PercentileInterval, ROUNDING_UM, RankedArrangements, ReachResult, SetDifference, Summary, Verdict,
+    OverKind, PercentileInterval, ROUNDING_UM, RankedArrangements, ReachResult, SetDifference, Summary,
+    TargetComparison, Verdict,
 };
 use crate::job::limit::LimitVerdict;
-use crate::units::{counted, ends, significant, with_interval, within};
+use crate::units::{counted, ends, fold, significant, with_interval, within};
 use nalgebra::Vector3;
 
 /// Largest factor that is stated: what is left then is less than anybody knows of the errors.
@@ -160,6 +161,22 @@ pub fn certificate(report: &CertificateReport) -> String {
     let left = report.uncertainty.as_ref();
     let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
     measured + &job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)
+}
+
+/// Returns that of a comparison of targets.
+pub fn compare_targets(of: &TargetComparison) -> String {
+    let Some(best) = of.targets.first() else { return "No target has files for this machine.\n".to_owned() };
+    if !of.is_measured() {
+        return "Nothing to correct yet: no error with a value acts.\n".to_owned();
+    }
+    let (before, after) = best.deciding_um();
+    let left = if after < ROUNDING_UM { "less than a nanometre".to_owned() } else { format!("{} um", short(after)) };
+    let figure = match best.over.kind {
+        OverKind::Job => "largest",
+        OverKind::Volume => "95 %",
+    };
+    let target = &best.target;
+    fold(&format!("Least is left by {target}: {left} of the {figure} position deviation of {} um.", short(before)))
 }
 
 /// Returns by what factor the deviation falls, and what is left within the uncertainty of the errors.

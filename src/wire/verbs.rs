@@ -11,18 +11,19 @@ use crate::api::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
     ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
     LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MeasuringProgram, MonomialFit,
-    PlacementResult, RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary,
-    TestFigures, TestPiece, TouchImport,
+    PlacementResult, RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference,
+    TargetComparison, TargetSummary, TestFigures, TestPiece, TouchImport,
 };
 use crate::api::starter::Starter;
 use crate::api::{
-    Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
-    DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
-    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, MeasureOptions, PlacementOptions,
-    PlanOptions, ReachOptions, RecordOptions, Run, TestPieceOptions, TouchOptions, VerifyOptions, budget, budget_part,
-    check, check_record, classify, compare, compile, compile_composed, convert, diff, diff_machines, enumerate,
-    equations, eval, explain, figures, fit_monomials, identify, import, import_touches, instrument, locate, map_tables,
-    measure, place, plan_measurements, reach, record, record_trend, schema, show, starter, targets, testpiece, verify,
+    Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompareTargetsOptions, CompileOptions, ConvertOptions,
+    Diagnostic, Diagnostics, DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions,
+    FiguresOptions, IdentifyOptions, ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions,
+    MeasureOptions, PlacementOptions, PlanOptions, ReachOptions, RecordOptions, Run, TestPieceOptions, TouchOptions,
+    VerifyOptions, budget, budget_part, check, check_record, classify, compare, compare_targets, compile,
+    compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials,
+    identify, import, import_touches, instrument, locate, map_tables, measure, place, plan_measurements, reach, record,
+    record_trend, schema, show, starter, targets, testpiece, verify,
 };
 use crate::controller::LOCK_NAME;
 use crate::report::RowFormat;
@@ -92,7 +93,7 @@ pub struct Verb {
 }
 
 /// All verbs.
-pub static VERBS: [Verb; 34] = [
+pub static VERBS: [Verb; 35] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
         Ok(headed(eval(request.machine()?, &request.options()?, run)?, headline::eval).0)
     }),
@@ -171,6 +172,9 @@ pub static VERBS: [Verb; 34] = [
         Ok(answer.text("trend.svg", trend.picture().svg()))
     }),
     of::<CompileOptions, CompiledSet>("compile", &[], run_compile),
+    of::<CompareTargetsOptions, TargetComparison>("compare_targets", &[], |request, run| {
+        Ok(headed(compare_targets(request.machine()?, &request.options()?, run)?, headline::compare_targets).0)
+    }),
     of::<VerifyOptions, CertificateReport>("verify", &[], |request, run| {
         let found = verify(request.machine()?, request.path(0)?, &request.options()?, run)?;
         Ok(headed(found, headline::certificate).0)

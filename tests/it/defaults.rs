@@ -77,3 +77,54 @@ fn the_set_of_another_target_or_machine_stays() {
     assert_ne!(names(), before);
     assert_eq!(compile(one, "grid-csv", &[]).0, 0);
 }
+
+/// What the comparison of targets states is what the certificate of each states.
+#[test]
+fn targets_are_compared_by_their_certificates() {
+    let found = json(&["targets", "gantry-3ax.yaml", "--format", "json"]);
+    let targets = found["targets"].as_array().unwrap();
+    let name = |of: &serde_json::Value| of["target"].as_str().unwrap().to_owned();
+    let left = |of: &serde_json::Value| of["compensated"]["position_um"]["p95"].as_f64().unwrap();
+    assert!(targets.windows(2).all(|pair| left(&pair[0]) <= left(&pair[1])), "{found}");
+    let refused_targets = found["refused"].as_array().unwrap();
+    assert_eq!(targets.len() + refused_targets.len(), abbe::controller::NAMES.len(), "{found}");
+    let folder = Folder::new("defaults-targets");
+    let out = folder.file("out");
+    for of in targets.iter().chain(refused_targets) {
+        let target = name(of);
+        let set = ["compile", "gantry-3ax.yaml", "--target", &target, "--out", text(&out)];
+        let compile = [&set[..], &["--accept-unverified", "--replace", "--quiet"]].concat();
+        if let Some(code) = of["code"].as_str() {
+            let (exit, said) = refused(&compile);
+            assert!(exit == 1 && said.contains(&format!("refused[{code}]")), "{target}: {said}");
+            continue;
+        }
+        let certificate = json(&[&compile[..], &["--format", "json"]].concat());
+        for key in ["over", "uncompensated", "compensated"] {
+            assert_eq!(of[key], certificate[key], "{target}");
+        }
+    }
+    let words = abbe(&["targets", "gantry-3ax.yaml"]);
+    assert!(words.starts_with("Least is left by ") && words.contains("No files for this machine:\n"), "{words}");
+    assert!(words.lines().all(|line| line.chars().count() <= 80), "{words}");
+}
+
+/// Over a job the largest deviation decides; of a machine without values targets say what they correct.
+#[test]
+fn targets_are_compared_over_a_job_or_named_by_what_they_correct() {
+    let folder = Folder::new("defaults-targets-job");
+    let part = folder.with("part.csv", "x,y,z\n10,20,130\n-40,50,110\n");
+    let found = json(&["targets", "gantry-3ax.yaml", "--tool-poses", text(&part), "--format", "json"]);
+    let largest = |of: &serde_json::Value| of["compensated"]["position_um"]["max"].as_f64().unwrap();
+    let targets = found["targets"].as_array().unwrap();
+    assert!(targets.iter().all(|of| of["over"]["kind"] == "job" && of["over"]["poses"] == 2), "{found}");
+    assert!(targets.windows(2).all(|pair| largest(&pair[0]) <= largest(&pair[1])), "{found}");
+    let words = abbe(&["targets", "gantry-3ax.yaml", "--tool-poses", text(&part)]);
+    assert!(words.contains("largest position deviation") && words.contains("Over a job of 2 tool poses"), "{words}");
+    let bounded = FIVE.replace("machine: Five", "machine: Five\ntolerances: { EXX: 5 um }");
+    let bounded = folder.with("bounded.yaml", &bounded);
+    let words = abbe(&["targets", text(&bounded)]);
+    assert!(words.starts_with("Nothing to correct yet") && words.contains("corrects, once it is measured"), "{words}");
+    let (code, said) = refused(&["targets", "linuxcnc", "--tool-poses", text(&part)]);
+    assert!(code == 2 && said.contains("abbe targets MACHINE"), "{said}");
+}

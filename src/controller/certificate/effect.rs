@@ -1,9 +1,10 @@
 //! The effect of a set on a machine, whatever its mechanism is: mapped like a bare machine.
 
+use super::tables::TablesUnderTest;
 use crate::compensation::CorrectionTables;
 use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
-use crate::controller::replay::{Compensated, Replay};
+use crate::controller::replay::Replay;
 use crate::evaluate::Field;
 use crate::machine::{Machine, OperatingPoint};
 
@@ -34,15 +35,12 @@ impl ControllerEffect {
         }
     }
 
-    /// Returns the machine with the set.
+    /// Returns the machine with the set, as the certificate judges it.
     pub fn field<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Box<dyn Field + 'a> {
+        let judged = |tables| TablesUnderTest { target, tables, installed: None };
         match self {
-            Self::CorrectionTables(tables) => {
-                Box::new(Compensated { machine, replay: Replay::new(machine, target, tables) })
-            }
-            Self::Module(carried, beside) => {
-                Box::new(ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside)))
-            }
+            Self::CorrectionTables(tables) => Box::new(judged(tables).field(machine)),
+            Self::Module(carried, beside) => Box::new(judged(beside).beside(machine, carried)),
         }
     }
 }

@@ -66,7 +66,8 @@ pub(super) fn no_rules(mechanism: &KinematicsMechanism, machine: &Machine, nomin
             }
         }
         let message = format!("the controller has no transformation for {}", nominal.placement.words());
-        return Diagnostic::new(codes::E0751, message).help(format!("this target is for {}", known.join(", or ")));
+        return Diagnostic::new(codes::E0751, message)
+            .help(format!("this target is for {}; `abbe targets MACHINE` lists others", known.join(", or ")));
     };
     let message = "the controller's transformation assumes other directions or places of the rotary axes";
     let clauses: Vec<String> = differ
@@ -76,7 +77,7 @@ pub(super) fn no_rules(mechanism: &KinematicsMechanism, machine: &Machine, nomin
             difference.words(part, &axis.map_or("the tool axis".to_owned(), |axis| format!("`{axis}`")))
         })
         .collect();
-    let help = format!("{}; else take another target (`abbe explain E0751`)", clauses.join("; "));
+    let help = format!("{}; else take another target (`abbe targets MACHINE`)", clauses.join("; "));
     Diagnostic::new(codes::E0751, message).help(help)
 }
 

@@ -39,7 +39,7 @@ pub fn placement(machine: &Machine) -> Result<RotaryPlacement, Diagnostic> {
             "kinematic parameters are for machines whose linear axes X, Y and Z, along the machine axes and next to \
              one another in the chain, move the tool in + relative to the workpiece, with one or two rotary axes",
         )
-        .help("the error tables of other targets have no such condition; `abbe targets` lists them")
+        .help("the error tables of other targets have no such condition: `abbe targets MACHINE` compares them")
     })
 }
 

@@ -38,7 +38,8 @@ impl Column {
 /// Returns the rows of a table; rotary columns are those of `machine`.
 pub(super) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
     let help = "columns are X, Y, Z (mm, from the workpiece origin), I, J, K of the tool axis or positions of rotary \
-                axes (deg), spin (deg), NX, NY, NZ of the normal of the surface, and feature";
+                axes (deg), spin (deg), NX, NY, NZ of the normal of the surface, and feature; another unit stands in \
+                brackets: `X [cm]`";
     let lines = sheet.lines();
     let [header, data @ ..] = lines.as_slice() else {
         return Err(wrong("the file has no header").at(Some(sheet.start()), "").help(help));
