@@ -2,6 +2,7 @@
 
 use super::look::{LookOptions, look};
 use super::summary::{MachineSummary, summary};
+use super::tolerances::class_without_rotary;
 use crate::diagnostic::{Diagnostics, WarningRecord};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
@@ -87,6 +88,7 @@ fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile 
     let Answer { value: machine, warnings: mut diagnostics } = answer;
     machine.questions.iter().for_each(|question| diagnostics.push(question.clone()));
     let found = Call::answer(run, machine.sources(), |call| {
+        call.extend(class_without_rotary(&machine));
         let paths = JobPaths { job: None, tool_poses: None, path: None };
         paths.with_tool(call, &machine, |call, machine| {
             let Some(job) = paths.read(call, machine)? else { return Ok(()) };

@@ -124,6 +124,14 @@ fn find(name: &str) -> Result<Class, Diagnostic> {
     })
 }
 
+/// Returns what to say of a file whose class has no bounds for its rotary axes, which other verbs refuse.
+pub(super) fn class_without_rotary(machine: &Machine) -> Option<Diagnostic> {
+    let named = machine.class()?;
+    let refusal = short_of_rotary(machine, &named.name, &named.class)?;
+    let warning = Diagnostic::new(codes::W0413, refusal.message);
+    Some(warning.help(format!("other verbs refuse it (E0605): {}", refusal.help.unwrap_or_default())))
+}
+
 /// The refusal of a class without rotary axes for a machine with some.
 fn short_of_rotary(machine: &Machine, name: &str, class: &Class) -> Option<Diagnostic> {
     lacks_rotary(machine, class).then(|| {

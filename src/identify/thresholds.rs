@@ -579,3 +579,6 @@ pub const SAME_BALL_MM: f64 = 5.0;
 pub const MIN_LOBING_CHI_SQUARE: f64 = 13.8;
 /// Standard uncertainty of the lobing over that before the touches, above which they do not tell it.
 pub const MAX_LOBING_SHARE: f64 = 0.5;
+/// Value over its standard uncertainty from which on noise does not hide it. Below: values that are mostly chance are
+/// written without a word; above: a squareness known to a thirtieth is warned of.
+pub const MIN_TOLD: f64 = 3.0;

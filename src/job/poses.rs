@@ -135,6 +135,21 @@ struct Column {
 /// Rows from which on a column of small angles is a sweep, not a few places.
 const SWEEP: usize = 20;
 
+/// True if positions are twelfths of pi, to two decimals, and two of them differ from 0.
+fn are_parts_of_pi(positions: impl Iterator<Item = f64>) -> bool {
+    let mut turned = 0;
+    for position in positions.filter(|position| *position != 0.0) {
+        let twelfths = position * 12.0 / std::f64::consts::PI;
+        let off = (twelfths - libm::round(twelfths)).abs() * std::f64::consts::PI / 12.0;
+        let is_whole = position == libm::round(position);
+        if off > 0.005 || is_whole || position.abs() > 6.3 {
+            return false;
+        }
+        turned += 1;
+    }
+    turned >= 2
+}
+
 /// Warns of columns without a unit whose positions look like radians or metres, once each.
 pub(crate) fn other_units<'p>(
     machine: &Machine,
@@ -146,11 +161,15 @@ pub(crate) fn other_units<'p>(
     let one = |(column, axis): (usize, &Axis)| {
         let positions = || poses.clone().map(|pose| pose[column]);
         let [min, max] = [positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max)];
-        if positions().count() < SWEEP {
+        let few = positions().count() < SWEEP;
+        if few && !(axis.kind == AxisKind::Rotary && are_parts_of_pi(positions())) {
             return None;
         }
         let name = &axis.name;
         let (message, units) = match (axis.kind, axis.travel) {
+            (AxisKind::Rotary, _) if few => {
+                (format!("the column `{name}` has parts of pi alone: are these radians?"), ["deg", "rad"])
+            }
             (AxisKind::Rotary, _) if max - min > 3.0 && max.max(-min) <= std::f64::consts::TAU => {
                 let message =
                     format!("the column `{name}` turns by more than 3 and ends before 2 pi: are these radians?");

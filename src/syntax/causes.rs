@@ -12,6 +12,17 @@ pub(super) struct ForeignFormat {
     pub(super) remedy: &'static str,
 }
 
+/// Returns the format of bytes that are no text.
+pub(super) fn binary_format(bytes: &[u8]) -> Option<ForeignFormat> {
+    let remedy = "name a file of text";
+    let noun = match bytes {
+        [b'P', b'K', 3, 4, ..] | [0xd0, 0xcf, 0x11, 0xe0, ..] => "a workbook of a spreadsheet",
+        [b'%', b'P', b'D', b'F', ..] => "a PDF page",
+        _ => return None,
+    };
+    Some(ForeignFormat { noun, remedy })
+}
+
 /// Returns the format of a file that is no text table, by its ending or its first bytes.
 pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -25,7 +36,7 @@ pub(super) fn foreign_format(path: &Path, bytes: &[u8]) -> Option<ForeignFormat>
         format("a drawing of a part", remedy)
     } else if begins(&[b"%PDF"]) || ending == "pdf" {
         format("a PDF page", "type its figures into a CSV table")
-    } else if is_program(bytes) || is_one_of(&["nc", "ngc", "mpf", "gcode", "tap", "cnc"]) {
+    } else if is_program(bytes) || is_one_of(&["nc", "ngc", "mpf", "gcode", "tap", "cnc", "h"]) {
         let remedy = "let the CAM system write APT CL data, or a table `X, Y, Z, I, J, K` of tips and tool directions";
         format("a program for a control", remedy)
     } else if is_one_of(&["yaml", "yml"]) && is_mapping(bytes) {
@@ -54,7 +65,7 @@ fn is_program(bytes: &[u8]) -> bool {
         [] => false,
     };
     let code = words.iter().find(|word| !is_word(word, b"N"));
-    code.is_some_and(|word| is_word(word, b"GM"))
+    line.starts_with(b"BEGIN PGM") || code.is_some_and(|word| is_word(word, b"GM"))
 }
 
 /// The cause of a text that is not YAML.

@@ -87,7 +87,18 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
             .help(format!("add `{key}{sample}`"));
     }
     let wrong = Diagnostic::new(codes::E0202, format!("`{}` does not have the right form", shown(&keys.join("."))));
-    match (found_value(message), sample(name)) {
+    let found = found_value(message);
+    let letter = |letter: &&str| found.as_ref().is_some_and(|found| found.ends_with(&format!("\"{letter}\"")));
+    let in_points = keys.len() > 1 && keys[keys.len() - 2] == "points" && name.parse::<usize>().is_ok();
+    let form = match ["X", "Y", "Z"].iter().position(|of| letter(&of)) {
+        Some(i) if name == "direction" => Some(["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"][i]),
+        _ => sample(name),
+    };
+    if in_points && found.is_some() {
+        let help = "write each point as [position, value], `points: [[0 mm, 0 um], [500 mm, 3 um]]`";
+        return wrong.at(places.value(keys), found.unwrap_or_default()).help(help);
+    }
+    match (found, form) {
         // A reason in words of its own.
         (None, _) => wrong.at(places.value(keys), "").help(message),
         (Some(found), Some(sample)) => {
@@ -141,7 +152,7 @@ fn sample(key: &str) -> Option<&'static str> {
         "branches" => "{ workpiece: [Y, A, C], tool: [X, Z] }",
         "travel" => "[0 mm, 500 mm]",
         "home" => "0 mm",
-        "direction" => "[0, 1, 1]",
+        "direction" => "[0, 1, 0]",
         "origin" | "gauge" | "offset" => "[250, 225, 0]",
         "from" => "gauge",
         "at" => "[0, 0, 180]",

@@ -35,8 +35,15 @@ pub(super) fn refuse_unknown(
             Some((digits, _)) if digits.bytes().all(|c| c.is_ascii_digit()) => {
                 "write decimals with a point, 120.5 mm: a comma ends the value".to_owned()
             }
+            Some((key, value)) if value.trim_start().starts_with('=') => {
+                let value = value.trim_start_matches(['=', ' ']);
+                format!("write `{}: {}`, with a colon in place of `=`", shown(key), shown(value))
+            }
             Some((key, value)) => format!("write `{}: {}`, with a colon and a blank", shown(key), shown(value)),
-            None => "write decimals with a point, 100.5; `key: ~` removes what a file extends".to_owned(),
+            None if name.trim_end_matches([')', ']']).parse::<f64>().is_ok() => {
+                "a list stands in brackets, [250, 225, -380]; decimals have a point, 100.5".to_owned()
+            }
+            None => "give it a value, `key: value`; `key: ~` removes what a file extends".to_owned(),
         };
         diagnostics.push(refusal.at(places.key(&keys), "").help(help));
         places.mar(&keys);

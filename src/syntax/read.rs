@@ -1,7 +1,7 @@
 //! Bytes to text: refusals of the file itself.
 
 use super::Disk;
-use super::causes::foreign_format;
+use super::causes::{binary_format, foreign_format};
 use super::files::{Files, ReadFailure};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, nearest, shown};
 use std::path::Path;
@@ -16,6 +16,13 @@ pub fn read_text(
     diagnostics: &mut Diagnostics,
 ) -> Option<(SourceId, Arc<str>)> {
     let bytes = read_bytes(path, named.clone(), Disk::MAX_BYTES, files, diagnostics)?;
+    if let Some(foreign) = binary_format(&bytes) {
+        let message = format!("`{}` is {}, not a text", shown(&path.display().to_string()), foreign.noun);
+        diagnostics.push(
+            Diagnostic::new(codes::E0104, message).at(named, "").help("name the YAML file: `abbe init` writes one"),
+        );
+        return None;
+    }
     keep_bytes(path, bytes, named, diagnostics)
 }
 

@@ -1,6 +1,7 @@
 //! Text to quantities. Numbers are plain decimals: `nan`, `inf`, `1e400` and a decimal comma are refused.
 
 use super::{Dimension, Quantity};
+use std::borrow::Cow;
 
 /// The reason for which a text is not a quantity.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -22,9 +23,15 @@ pub enum Failure {
     NoUnit(String),
 }
 
+/// The minus sign of typography, which data sheets have, as that of keyboards.
+fn plain(text: &str) -> Cow<'_, str> {
+    if text.contains('\u{2212}') { Cow::Owned(text.replace('\u{2212}', "-")) } else { Cow::Borrowed(text) }
+}
+
 /// Parses a plain decimal number.
 pub fn number(text: &str) -> Result<f64, Failure> {
-    let trimmed = text.trim();
+    let plain = plain(text);
+    let trimmed = plain.trim();
     let own = || trimmed.to_owned();
     match trimmed.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -36,7 +43,8 @@ pub fn number(text: &str) -> Result<f64, Failure> {
 
 /// Parses a number with a unit, such as `12 um`, `5 arcsec`, `-2 urad/m^2`, `0.02/500` or `0.02 mm/500 mm`.
 pub fn quantity(text: &str) -> Result<Quantity, Failure> {
-    let trimmed = text.trim();
+    let plain = plain(text);
+    let trimmed = plain.trim();
     let split = number_end(trimmed);
     let value = number(&trimmed[..split]).map_err(|failure| match failure {
         // `nan um` and `inf` look like numbers: the message names the fault.
@@ -62,6 +70,9 @@ pub fn quantity(text: &str) -> Result<Quantity, Failure> {
 
 /// The quotient of two lengths, `0.02 mm/500 mm`, as data sheets write squareness.
 fn quotient(value: f64, over: &str, under: &str, text: &str) -> Result<Quantity, Failure> {
+    if over.trim().is_empty() {
+        return Err(Failure::NoUnit(text.split('/').next().unwrap_or_default().trim().to_owned()));
+    }
     let (factor, dimension) = unit(over)?;
     let whole = || Failure::UnknownUnit(format!("{}/{}", over.trim(), under.trim()));
     if under.contains('/') {

@@ -225,8 +225,23 @@ pub fn compare(result: &CompareResult) -> String {
     };
     let limit = |(i, side): (usize, &ComparedMachine)| Some(format!("Machine {i}: {}\n", side.limit.as_ref()?.words()));
     let limits: String = (1..).zip(&result.machines).filter_map(limit).collect();
-    limits + &result.verdicts.iter().map(of).collect::<String>()
+    limits + &out_of_reach(result) + &result.verdicts.iter().map(of).collect::<String>()
 }
+
+/// What of a part some machine does not reach: verdicts and figures are without it.
+fn out_of_reach(result: &CompareResult) -> String {
+    let missed: Vec<String> = (1..)
+        .zip(&result.machines)
+        .filter(|(_, side)| side.unreachable.total > 0)
+        .map(|(i, side)| format!("{} of machine {i}", side.unreachable.total))
+        .collect();
+    if missed.is_empty() || result.over.kind != OverKind::Job {
+        return String::new();
+    }
+    let (asked, common) = (result.asked, result.poses);
+    format!("Out of reach of {asked} tool poses: {}; judged are the {common} that all reach.\n", missed.join(", "))
+}
+
 /// Returns that of the reach.
 pub fn reach(of: &ReachResult) -> String {
     let percent = |part: usize, whole: usize| significant(100.0 * part as f64 / whole as f64, 4);

@@ -183,3 +183,104 @@ fn a_module_for_other_directions_names_the_axis_and_what_to_write() {
         assert!(code == 1 && one_line.contains(remedy), "{message}");
     }
 }
+
+/// Slips of the third walk, each with what is to be written.
+#[test]
+fn a_slip_of_units_lists_and_curves_is_answered_by_its_cause() {
+    let folder = Folder::new("slips-3");
+    let sound = three_axes("\"w X' Y' b Z t\"", "");
+    let changed = |from: &str, to: &str| {
+        let text = sound.replace(from, to);
+        assert_ne!(text, sound, "{from}");
+        text
+    };
+    let with = |sections: &str| three_axes("\"w X' Y' b Z t\"", sections);
+    for (written, remedy) in [
+        (changed("length: 100 mm", "length = 100 mm"), "write `length: 100 mm`, with a colon in place of `=`"),
+        (with("tolerances: { EXX: 6 UM }\n"), "units are in small letters"),
+        (with("tolerances: { EXX: 6 micron }\n"), "micrometres are `um`"),
+        (with("tolerances: { EXX: 2 thou }\n"), "a thousandth of an inch is `0.001 in`"),
+        (with("tolerances: { X-Y: 0.0005/12 in }\n"), "`0.0005` has no unit"),
+        (with("tolerances: { EXX: { Tp: 12 um, U: 2 um } }\n"), "`Tp`, `U` do not go together for `EXX`"),
+        (with("errors: { EXX: { points: [0 um, 2 um] } }\n"), "write each point as [position, value]"),
+        (
+            with("errors: { EXX: { points: [[0 mm, 0 um], [400 mm, 3 um]] } }\n"),
+            "that is the travel of `Y`: is it `EXY`?",
+        ),
+        (
+            with("errors: { EXX: { points: [[0 um, 0 mm], [5 um, 500 mm]] } }\n"),
+            "each point is [position, value]: are the two exchanged",
+        ),
+        (changed("[0 mm, 500 mm]", "[0 mm, 500,5 mm]"), "write decimals with a point, `500.5 mm`"),
+        (changed("[0 mm, 500 mm]", "[0 mm - 500 mm]"), "part the ends by a comma"),
+        (changed("[250, 200, -450]", "[250; 200; -450]"), "part the numbers by commas"),
+        (changed("\"w X' Y' b Z t\"", "\u{201c}w X' Y' b Z t\u{201d}"), "the chain stands in typographic quotes"),
+        (changed("X: { travel", "X: { direction: Y, travel"), "write it as `direction: [0, 1, 0]`"),
+    ] {
+        let file = folder.with("m.yaml", &written);
+        let (code, message) = refused(&["check", text(&file)]);
+        let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(code == 1 && one_line.contains(remedy), "{remedy}: {message}");
+    }
+    // The minus of typography is one.
+    let file = folder.with("m.yaml", &with("errors: { EC0Y: \u{2212}40 urad }\n"));
+    let found = json(&["map", text(&file), "--format", "json"])["position_um"]["max"].as_f64().unwrap();
+    assert!((found - 16.0).abs() < 1e-6, "{found}");
+}
+
+#[test]
+fn a_workbook_a_report_as_pdf_and_a_maker_are_answered() {
+    let folder = Folder::new("slips-4");
+    let book = folder.with("m.xlsx", "PK\u{3}\u{4}rest");
+    let (code, message) = refused(&["check", text(&book)]);
+    assert!(code == 1 && message.contains("E0104") && message.contains("a workbook of a spreadsheet"), "{message}");
+    let machine = folder.with("m.yaml", &three_axes("\"w X' Y' b Z t\"", "errors: { EC0Y: 40 urad }\n"));
+    let page = folder.file("review.pdf");
+    let (code, message) = refused(&["report", text(&machine), "--out", text(&page)]);
+    assert!(code == 2 && message.contains("name it .html") && !page.exists(), "{message}");
+    let (code, message) = refused(&["targets", "siemens"]);
+    assert!(code == 1 && message.contains("`sinumerik-cec`") && !message.contains("`klipper`"), "{message}");
+    let machine = folder.with("c.yaml", &format!("{}provenance: {{ class: commodity }}\n", FIVE_AXES));
+    let (_, message) = refused(&["check", text(&machine)]);
+    assert!(message.contains("W0413") && message.contains("has no tolerances of rotary axes"), "{message}");
+}
+
+/// Five axes of a class of three-axis machines.
+const FIVE_AXES: &str = "\
+abbe: 1
+machine: Five
+chain: \"w C' A' b X Y Z t\"
+axes:
+  X: { travel: [0, 500], origin: [0, 0, 0] }
+  Y: { travel: [0, 400], origin: [0, 0, 0] }
+  Z: { travel: [-300, 0], origin: [0, 0, 0] }
+  A: { travel: [-90, 90], origin: [250, 200, -300] }
+  C: { travel: continuous, origin: [250, 200, -300] }
+tool: { gauge: [0, 0, 0], length: 100 mm }
+workpiece: { origin: [250, 200, -300] }
+";
+
+/// Metres, radians, and sides of a part without directions of the tool.
+#[test]
+fn tool_poses_of_another_unit_or_without_directions_are_asked_about() {
+    let folder = Folder::new("slips-5");
+    let trunnion = crate::configs::folder().join("trunnion.yaml");
+    let says = |table: &str| {
+        let part = folder.with("part.csv", table);
+        refused(&["map", text(&trunnion), "--tool-poses", text(&part)]).1
+    };
+    for (table, words) in [
+        ("X,Y,Z\n0.05,0.02,0.05\n0.01,0.02,0.06\n", "are these metres?"),
+        ("X [mm],Y [mm],Z [mm]\n0.05,0.02,0.05\n0.01,0.02,0.06\n", ""),
+        ("X,Y,Z,A,C\n0,0,50,-1.57,3.14\n10,0,50,0,1.57\n", "are these radians?"),
+        ("X,Y,Z,A,C\n0,0,50,-90,3\n10,0,50,0,2\n", ""),
+        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,1,0,0\n", "no row a direction of the tool"),
+        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,0,0,1\n", ""),
+    ] {
+        let said = says(table).split_whitespace().collect::<Vec<_>>().join(" ");
+        match words {
+            "" => assert!(!said.contains("W0804") && !said.contains("W0855"), "{table}{said}"),
+            words => assert!(said.contains(words), "{table}{said}"),
+        }
+    }
+}

@@ -57,6 +57,14 @@ fn geometry_is_questioned() {
         // X takes it from x = 0 to 500 mm.
         ("gauge: [0, 0, 0]", "gauge: [-300, 0, 0]", "W0413", "stays 50 mm beside the workpiece origin along X"),
         ("gauge: [0, 0, 0]", "gauge: [0, 235, 0]", "W0413", "stays 10 mm beside the workpiece origin along Y"),
+        (
+            "origin: [250, 225, -350]",
+            "origin: [250, 225, 350]",
+            "W0413",
+            "the line of `A` is 730 mm from the workpiece origin at the zero pose",
+        ),
+        ("{ EX0C: 6 um }", "{ EC0X: 12 urad, EC0Y: -12 urad }", "W0413", "their difference is the squareness"),
+        (", length: 120 mm", "", "W0413", "the tool has no length"),
         ("[-120 deg, 30 deg]", "[-2.0944, 0.5236]", "W0413", "from -2.0944 to 0.5236 deg: are these radians?"),
         ("[-400 mm, 0 mm]", "[0 mm, 400 mm]", "W0413", "stays 260 mm above the workpiece origin along the tool axis"),
         ("[0 mm, 500 mm]", "[0 in, 20 in]", "W0413", "`axes.C.origin` has 250 without a unit, which is mm"),

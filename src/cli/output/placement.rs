@@ -99,8 +99,13 @@ fn text(of: &PlacementResult) -> String {
     text += &match of.best.as_ref().map(|best| best.reached) {
         None => "None of them reaches a tool pose.\n".to_owned(),
         Some(most) => fold(&format!(
-            "Reach all {all} tool poses: {}; ranked, with the same {most} in reach: {}",
-            of.reach_all, of.ranked
+            "{} {all} tool poses; ranked, with the same {most} in reach: {}",
+            if of.reach_all == 0 {
+                "No place reaches all".to_owned()
+            } else {
+                format!("{} places reach all", of.reach_all)
+            },
+            of.ranked
         )),
     };
     text += &format!("\n{}\n", rows(of));

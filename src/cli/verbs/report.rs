@@ -72,6 +72,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         }
         return workbench::open(session, machine, workbench::PartAsked::default(), args.port);
     }
+    let ending = args.out.as_ref().and_then(|out| out.extension()?.to_str()).map(str::to_lowercase);
+    if let Some(ending) =
+        ending.filter(|of| ["pdf", "png", "svg", "docx", "pptx", "xlsx", "csv", "json"].contains(&of.as_str()))
+    {
+        return session
+            .usage(&format!("a report is a page of HTML, not .{ending}: name it .html; a browser prints it as PDF"));
+    }
     refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
     let report = compute(session, args)?;
     let page = report.page(&engine::engines()).or_else(|d| session.refuse(d))?;

@@ -232,6 +232,18 @@ pub fn unknown_target(name: &str) -> Diagnostic {
     if name.contains('+') {
         return refusal.help("a set of two targets is meant: name both (`--target A+B`), or the subfolder of one");
     }
+    let word = name.to_lowercase();
+    let title =
+        |of: &&&str| ControllerTarget::builtin(of).is_some_and(|of| of.manifest.title.to_lowercase().contains(&word));
+    let of_maker: Vec<&str> = match word.as_str() {
+        "siemens" => NAMES.iter().filter(|of| of.starts_with("sinumerik")).copied().collect(),
+        _ if word.len() < 3 => Vec::new(),
+        _ => NAMES.iter().filter(|of| of.starts_with(&word) || title(of)).copied().collect(),
+    };
+    if !of_maker.is_empty() {
+        let one = format!("one of them: `{}`", of_maker.join("`, `"));
+        return refusal.help(format!("{one}; `abbe targets MACHINE` compares them on a machine"));
+    }
     refusal.help(format!("{} (a folder of your own: `compile --templates DIR`)", did_you_mean(name, &NAMES)))
 }
 

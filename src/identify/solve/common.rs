@@ -4,11 +4,13 @@ use super::fit::ParameterFit;
 use super::solution::{CommonEffects, Solution};
 use super::sums::parallel_sum;
 use crate::identify::data::Measurement;
-use crate::identify::model::{FitModel, OffsetChannel, TypeB};
-use nalgebra::{DMatrix, DVector};
+use crate::identify::model::{FitModel, OffsetChannel, Parameter, TypeB};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// Effects (mm, rad) up to this are rounding.
 const MAX_ROUNDING: f64 = 1e-12;
+/// Share of an effect up to which it is rounding beside what the set-up takes.
+const MAX_ROUNDING_SHARE: f64 = 1e-7;
 
 /// Returns the covariance of the unknowns, in their units, by uncertainties of type B: `sum (C J^T s) (C J^T s)^T` over
 /// the effects s of one standard uncertainty each, in every channel, on the readings.
@@ -17,6 +19,7 @@ pub fn common(
     data: &[Measurement],
     fit: &ParameterFit,
     solution: &Solution,
+    parameters: &[Parameter],
     all: &[TypeB],
 ) -> CommonEffects {
     let count = fit.theta.len();
@@ -38,7 +41,12 @@ pub fn common(
     let effects = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
     let moves = |k: usize| {
         let own = shifts.causes.iter().zip(effects.column_iter()).filter(|((of, _), _)| *of == k);
-        own.into_iter().any(|(_, effect)| effect.amax() > MAX_ROUNDING)
+        // What a set-up takes whole moves no error of the machine.
+        let of_errors = |effect: DVectorView<'_, f64>| {
+            let errors = parameters.iter().zip(effect.iter()).filter(|(of, _)| !of.is_nuisance());
+            errors.fold(0.0, |most, (_, x)| f64::max(most, x.abs()))
+        };
+        own.into_iter().any(|(_, effect)| of_errors(effect) > MAX_ROUNDING.max(MAX_ROUNDING_SHARE * effect.amax()))
     };
     let idle = (0..all.len()).filter(|k| !moves(*k)).collect();
     CommonEffects { covariance: &effects * effects.transpose(), idle }

@@ -25,7 +25,7 @@ pub(crate) fn diagnose<'a>(
         let solution = Solution::of(fit, &problem.unknowns);
         let solution = solution.with_first_order_rank(model, data, fit, &found.motion_parameters);
         let form = form_uncertainty(model, data, fit, &solution);
-        let common = common(model, data, fit, &solution, &problem.type_b);
+        let common = common(model, data, fit, &solution, &problem.unknowns, &problem.type_b);
         let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
         let change = in_datum(model, data, fit, &solution, &conditions);
         let (solution, change) = match change {

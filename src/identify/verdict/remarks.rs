@@ -64,8 +64,8 @@ pub(crate) fn entries_without_effect(list: &[String]) -> Option<Diagnostic> {
 fn idle_type_b(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let names: Vec<String> =
         fitted.solution.idle_common.iter().map(|k| format!("`{}`", fitted.type_b[*k].name)).collect();
-    let message = format!("type B without effect on any fitted value: {}", names.join(", "));
-    let help = "such readings are relative, and their set-up takes what they share: state it of readings that hold it";
+    let message = format!("type B adds nothing to any fitted error: {}", names.join(", "));
+    let help = "the readings are relative: their set-up takes what they share, and no uncertainty of an error has it";
     (!names.is_empty()).then(|| warning(codes::W0509, message, help))
 }
 
@@ -329,6 +329,13 @@ pub(crate) fn implausible(why: &ReadBackFailure) -> Diagnostic {
 pub(crate) fn weak_directions_in_file(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let below_noise = &fitted.solution.below_noise;
     let first = below_noise.first()?;
+    // Where each value is three times its uncertainty, noise hides nothing of what is written.
+    let own = fitted.solution.estimates.iter().zip(fitted.unknowns).take(fitted.own);
+    let mut own = own.filter(|(_, parameter)| !parameter.is_nuisance()).map(|(estimate, _)| estimate).peekable();
+    let is_told = |of: &Estimate| of.sigma.is_some_and(|sigma| of.value.abs() >= MIN_TOLD * sigma);
+    if own.peek().is_some() && own.all(is_told) {
+        return None;
+    }
     let count = counted(below_noise.len(), "combination");
     let message = format!("what is written holds {count} that noise hides, the first: {first}");
     let help = "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";

@@ -16,9 +16,11 @@ use crate::analysis::{
     Miss, Needs, PathEvents, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
 };
 use crate::diagnostic::{Diagnostic, Place, codes};
+use crate::lower::into_part;
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::sheet::{cells, read_named_sheet, separator};
+use crate::units::significant;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -158,6 +160,10 @@ pub(crate) fn read_named(
         let rotary = rows.iter().filter_map(|row| row.rotary().map(|(_, pose)| pose));
         call.extend(other_units(machine, &header_cells, rotary, &Some(header.place)));
         call.extend(reversed(rows));
+        if !is_cl {
+            call.extend(metres(machine, rows, &header_cells));
+            call.extend(undirected(machine, rows, &header_cells));
+        }
     }
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
@@ -165,6 +171,38 @@ pub(crate) fn read_named(
     }
 }
 
+/// Asks about tips of a part that all lie within a millimetre or two of its origin.
+fn metres(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diagnostic> {
+    let is_bare = ["X", "Y", "Z"].iter().all(|name| header.iter().any(|cell| cell.eq_ignore_ascii_case(name)));
+    let farthest = rows.iter().fold(0.0_f64, |farthest, row| farthest.max(row.tip.amax()));
+    let linear = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
+    let longest =
+        linear.map(|axis| axis.travel.interval()).fold(0.0, |longest, (min, max)| f64::max(longest, max - min));
+    if !is_bare || rows.len() < 2 || farthest >= METRES || farthest <= 0.0 || longest < 50.0 * METRES {
+        return None;
+    }
+    let farthest = significant(farthest, 3);
+    let message = format!("no tip is farther than {farthest} mm from the origin of the part: are these metres?");
+    let help = "say `X [m]` or `X [mm]` in the header";
+    Some(Diagnostic::new(codes::W0804, message).at(Some(rows[0].place.clone()), "").help(help))
+}
+
+/// Asks about a part of several sides without directions of the tool: it stands as at the zero pose in all rows.
+fn undirected(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diagnostic> {
+    let mut rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).map(|axis| axis.name.as_str());
+    let is_said = |name: &str| header.iter().any(|cell| cell.trim().to_uppercase().starts_with(name));
+    if rotary.clone().next().is_none() || is_said("I") || rotary.any(is_said) {
+        return None;
+    }
+    let axis = into_part(machine, Vector3::from(machine.tool().direction));
+    let aside = rows.iter().find(|row| row.normal.is_some_and(|normal| normal.dot(&axis) < OBLIQUE))?;
+    let message = "the surface has sides, and no row a direction of the tool: it stands as at the zero pose in all";
+    let help = "give I, J, K, from the tip to the spindle, or rotary axes; for one set-up, `0,0,1` in every row";
+    Some(Diagnostic::new(codes::W0855, message).at(Some(aside.place.clone()), "").help(help))
+}
+
+/// A part whose tips are all within this of its origin, mm, is as a rule in metres.
+const METRES: f64 = 2.0;
 /// Cosine of the angle between tool axis and normal from which on a row tells from which side the tool comes.
 const OBLIQUE: f64 = 0.2;
 

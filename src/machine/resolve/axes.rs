@@ -3,6 +3,7 @@
 use super::beyond::Beyond;
 use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, block_key, position};
+use super::quantities::slip_in_list;
 use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
 use crate::syntax::{AxisEntry, ControllerEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
@@ -321,7 +322,8 @@ impl Context<'_> {
         let unit = kind.unit();
         let [min, max] = list else {
             let message = format!("`{}` has {} numbers, an interval has two", dotted_path(at), list.len());
-            self.at_value(codes::E0403, at, message, format!("write [min, max] in {unit}"));
+            let help = slip_in_list(list).unwrap_or_else(|| format!("write [min, max] in {unit}"));
+            self.at_value(codes::E0403, at, message, help);
             return None;
         };
         let (min, max) = (self.position(min, kind, &below(at, 0)), self.position(max, kind, &below(at, 1)));

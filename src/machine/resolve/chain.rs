@@ -242,6 +242,11 @@ fn walk(context: &mut Context, text: &str) -> Option<ChainLinks> {
         context.at_value(codes::E0302, &keys(["chain"]), "the names of the chain are not apart", help);
         return None;
     }
+    if [w, b, t].contains(&None) && text.contains(['\u{201c}', '\u{201d}', '\u{201e}']) {
+        let help = "take the plain quotes of the keyboard, \"w C' A' Y' b X Z t\": an editor made others of them";
+        context.at_value(codes::E0302, &keys(["chain"]), "the chain stands in typographic quotes", help);
+        return None;
+    }
     for (found, word, what) in [(w, "w", "workpiece"), (b, "b", "bed"), (t, "t", "tool")] {
         if found.is_none() {
             let help = "a chain is a walk from workpiece to tool over the bed: `w C' A' Y' b X Z t`";

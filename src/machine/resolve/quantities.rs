@@ -10,13 +10,45 @@ use crate::units::{self, Dimension, FARTHEST, Failure, Quantity};
 const LENGTHS: &str = "lengths: nm, um, mm, cm, m, in";
 const ANGLES: &str = "angles: urad, mrad, rad, arcsec, arcmin, deg, or a ratio such as um/m or 0.02/500";
 
+/// Returns the remedy of a list that has other numbers than it should because of how they are parted.
+pub(super) fn slip_in_list(list: &[Scalar]) -> Option<String> {
+    let texts: Vec<&str> =
+        list.iter().filter_map(|of| if let Scalar::Text(text) = of { Some(text.as_str()) } else { None }).collect();
+    if texts.iter().any(|text| text.contains(';')) {
+        return Some("part the numbers by commas, `[250, 225, 0]`".to_owned());
+    }
+    let dash = |text: &&str| {
+        text.trim().get(1..).is_some_and(|rest| rest.contains(" - ") || rest.contains(" to ") || rest.contains(".."))
+    };
+    if list.len() == 1 && texts.iter().any(dash) {
+        return Some("part the ends by a comma, `[0 mm, 500 mm]`".to_owned());
+    }
+    // `500,5 mm` is two numbers, the first without a unit beside others that have one.
+    let is_digits = |of: &Scalar| of.to_string().bytes().all(|c| c.is_ascii_digit() || c == b'-');
+    let parted = list
+        .windows(2)
+        .any(|pair| is_digits(&pair[0]) && pair[1].to_string().starts_with(|c: char| c.is_ascii_digit()));
+    (list.len() > 2 && parted && !texts.is_empty())
+        .then(|| "write decimals with a point, `500.5 mm`: a comma parts numbers".to_owned())
+}
+
 impl Context<'_> {
     fn unreadable(&mut self, at: &Keys, failure: &Failure) {
         let help = match failure {
             Failure::NoUnit(_) => "add the unit, as in `12 um` or `5 urad`",
             Failure::UnknownUnit(unit) if matches!(unit.as_str(), "'" | "′" | "min") => "minutes of arc are `arcmin`",
             Failure::UnknownUnit(unit) if matches!(unit.as_str(), "\"" | "″" | "''" | "sec" | "as") => {
-                "seconds of arc are `arcsec`"
+                "seconds of arc are `arcsec`, inches `in`"
+            }
+            Failure::UnknownUnit(unit) if matches!(unit.as_str(), "thou" | "mil" | "mils") => {
+                "a thousandth of an inch is `0.001 in`"
+            }
+            Failure::UnknownUnit(unit) if matches!(unit.as_str(), "inches" | "inchs" | "ins" | "IN" | "In") => {
+                "inches are `in`, as in `12 in`"
+            }
+            Failure::UnknownUnit(unit) if unit.starts_with("micron") => "micrometres are `um`, as in `6 um`",
+            Failure::UnknownUnit(unit) if units::unit(&unit.to_lowercase()).is_ok() => {
+                "units are in small letters, as in `6 um` or `0.006 mm`"
             }
             Failure::UnknownUnit(_) => "nm um mm cm m in; urad mrad rad arcsec arcmin deg; with / and ^ as in urad/m^2",
             Failure::DecimalComma(_) => "write a decimal point, as in `1.5 um`",
@@ -100,7 +132,8 @@ impl Context<'_> {
     pub fn vector(&mut self, list: &[Scalar], at: &Keys) -> Option<[f64; 3]> {
         if list.len() != 3 {
             let message = format!("`{}` has {} numbers, a point has three", dotted_path(at), list.len());
-            self.at_value(codes::E0207, at, message, "write [x, y, z] in machine coordinates (mm)");
+            let help = slip_in_list(list).unwrap_or_else(|| "write [x, y, z] in machine coordinates (mm)".to_owned());
+            self.at_value(codes::E0207, at, message, help);
             return None;
         }
         let parts: Vec<Option<f64>> = list.iter().enumerate().map(|(i, s)| self.length(s, &below(at, i))).collect();

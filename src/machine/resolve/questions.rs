@@ -3,9 +3,10 @@
 use super::doubles::is_fitted_location;
 use super::sides::no_origin;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
+use crate::machine::{Axis, AxisKind, AxisName, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 use crate::syntax::{Document, Keys, PositionEntry, Scalar, TravelEntry, keys};
 use crate::units::{self, Dimension, significant};
+use nalgebra::Vector3;
 
 /// A translation of a location error from which on it is a position that belongs elsewhere, mm.
 const POSITION: f64 = 1.0;
@@ -40,6 +41,8 @@ pub fn questions(document: &Document, machine: &Machine, up: Option<[f64; 3]>) -
             .filter(|_| is_stated)
             .map(|(message, help)| ask(document, &keys(["workpiece"]), message, help)),
     );
+    found.extend(far_lines(document, machine));
+    found.extend(squareness_twice(document, machine));
     found.extend(positions(document, machine));
     found.extend(wide_bounds(document, machine));
     found.extend(document.moved_gauges.iter().filter_map(|(at, base)| moved_gauge(document, at, base)));
@@ -62,6 +65,16 @@ fn absent(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     if document.tool.is_none() && document.tools.is_empty() {
         let help = "write `tool: { gauge: [250, 225, 0], length: 120 mm }`: angles act by the arm to the tip";
         found.push(ask(document, &at, "no `tool`: gauge point and tip lie at machine zero".to_owned(), help));
+    }
+    let is_bare = document.tool.as_ref().is_some_and(|tool| tool.length.is_none() && tool.offset.is_none());
+    if is_bare && moves(machine) && machine.tool().tip == machine.tool().gauge {
+        let help = "write its `length: 120 mm`, from the gauge point to the tip; `length: 0 mm` is a probe at the nose";
+        found.push(ask(
+            document,
+            &keys(["tool"]),
+            "the tool has no length: its tip is the gauge point".to_owned(),
+            help,
+        ));
     }
     let turns = machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary);
     if turns && moves(machine) && document.workpiece.as_ref().is_none_or(|workpiece| workpiece.origin.is_none()) {
@@ -229,6 +242,66 @@ fn misplaced(machine: &Machine, up: Option<[f64; 3]>) -> Option<(String, &'stati
     let (by, letter) = missed?;
     let by = significant(by, 4);
     Some((format!("the tip stays {by} mm beside the workpiece origin along {letter}: {places}"), help))
+}
+
+/// Asks about lines of rotary axes that are farther from the part, or from the spindle, than any linear axis travels.
+fn far_lines(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+    let spans = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).map(|axis| {
+        let (min, max) = axis.travel.interval();
+        max - min
+    });
+    let longest = spans.fold(0.0, f64::max);
+    let is_stated = document.workpiece.as_ref().is_some_and(|workpiece| workpiece.origin.is_some());
+    if !moves(machine) || longest <= 0.0 {
+        return Vec::new();
+    }
+    let written = |axis: &Axis| document.axes.get(axis.name.as_str()).and_then(Option::as_ref)?.origin.as_ref();
+    let one = |axis: &Axis| {
+        written(axis)?;
+        let (from, what) = match axis.branch {
+            Branch::Workpiece if is_stated => (machine.workpiece(), "the workpiece origin"),
+            Branch::Workpiece => return None,
+            Branch::Tool => (machine.tool().gauge, "the gauge point"),
+        };
+        let to = Vector3::from(from) - Vector3::from(axis.origin);
+        let along = Vector3::from(axis.direction).normalize();
+        let off = (to - along * along.dot(&to)).norm();
+        if off <= longest {
+            return None;
+        }
+        let (off, longest) = (significant(off, 4), significant(longest, 4));
+        let message = format!(
+            "the line of `{}` is {off} mm from {what} at the zero pose, and no linear axis travels more than {longest} mm",
+            axis.name
+        );
+        let help = "compare the signs of `origin` with those of the other points: all are in machine coordinates";
+        Some(ask(document, &keys(["axes", axis.name.as_str(), "origin"]), message, help))
+    };
+    machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).filter_map(one).collect()
+}
+
+/// Asks about the squareness of two linear axes that is given twice, once at each: the difference acts.
+fn squareness_twice(document: &Document, machine: &Machine) -> Option<Diagnostic> {
+    let linear = |name: &AxisName| machine.axes().iter().find(|of| of.name == *name && of.kind == AxisKind::Linear);
+    let turned = machine.errors().filter_map(|(error, term)| {
+        let ErrorTerm::Constant(value) = term else { return None };
+        let across = linear(&error.axis)?.direction[error.direction.index().checked_sub(3)?].abs() < 1e-6;
+        (across && *value != 0.0 && !is_fitted_location(document, &error)).then_some(error)
+    });
+    let all: Vec<ErrorId> = turned.collect();
+    let twin = |(i, second): (usize, &ErrorId)| {
+        let along = linear(&second.axis)?.direction;
+        let is_oblique = |of: &Axis| (0..3).map(|k| of.direction[k] * along[k]).sum::<f64>().abs() < 0.5;
+        let is_twin = |of: &&ErrorId| of.direction == second.direction && linear(&of.axis).is_some_and(is_oblique);
+        Some((all[..i].iter().find(is_twin)?.clone(), second.clone()))
+    };
+    let (first, second) = all.iter().enumerate().find_map(twin)?;
+    let message = format!(
+        "`{first}` and `{second}` turn `{}` and `{}` against one another: their difference is the squareness",
+        first.axis, second.axis
+    );
+    let help = format!("give it once: `{}-{}: 12 urad`, or one of the two", first.axis, second.axis);
+    Some(ask(document, &keys(["errors", &second.to_string()]), message, help))
 }
 
 /// Asks about errors of the size of positions: locations, and measured curves.

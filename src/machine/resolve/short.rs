@@ -4,8 +4,9 @@ use super::beyond::{Beyond, ShortCurve};
 use super::context::Context;
 use super::curve_of::CurveOf;
 use crate::diagnostic::{Diagnostic, Place, codes};
-use crate::machine::{AxisName, Knots, Travel};
-use crate::units::significant;
+use crate::machine::{AxisKind, AxisName, Knots, Travel};
+use crate::syntax::{Document, Scalar, TravelEntry};
+use crate::units::{self, significant};
 use std::collections::BTreeMap;
 
 /// Part of the measured range up to which a curve goes on beyond either end. Laser interferometers stop a few
@@ -48,7 +49,18 @@ pub fn beyond(
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
         error, error.axis
     );
-    let help = if beyond == Beyond::Refuse {
+    let of_other = travels(context.document)
+        .find(|(name, (low, high))| *name != error.axis.as_str() && (low - first).abs() + (high - last).abs() < 1e-6);
+    let of_other = of_other.filter(|_| kind == AxisKind::Linear).map(|(other, _)| {
+        let letters = error.to_string();
+        let meant = letters.strip_suffix(error.axis.as_str()).unwrap_or_default();
+        format!("that is the travel of `{other}`: is it `{meant}{other}`?")
+    });
+    let help = if let Some(help) = of_other {
+        help
+    } else if kind == AxisKind::Linear && 1e3 * (last - first) <= max - min {
+        "each point is [position, value]: are the two exchanged, or positions in metres?".to_owned()
+    } else if beyond == Beyond::Refuse {
         "measure the rest or shorten the travel; nothing is extrapolated".to_owned()
     } else {
         format!(
@@ -59,6 +71,21 @@ pub fn beyond(
     let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel_place, "the travel");
     context.diagnostics.push(refusal.help(help));
     None
+}
+
+/// The stated travels in mm of axes with two ends, by name.
+fn travels(document: &Document) -> impl Iterator<Item = (&str, (f64, f64))> {
+    let mm = |end: &Scalar| match end {
+        Scalar::Number(mm) => Some(*mm),
+        Scalar::Text(text) => units::number(text).ok().or_else(|| Some(units::quantity(text).ok()?.value)),
+    };
+    document.axes.iter().filter_map(move |(name, entry)| match entry.as_ref()?.travel.as_ref()? {
+        TravelEntry::Range(ends) => match &ends[..] {
+            [min, max] => Some((name.as_str(), (mm(min)?, mm(max)?))),
+            _ => None,
+        },
+        TravelEntry::Word(_) => None,
+    })
 }
 
 /// Warns of curves that go on beyond their points where the file does not say so, once for curves of one range, and

@@ -96,7 +96,12 @@ fn half_width(context: &mut Context, figure: &FigureEntry, of: &FigureOf<'_>, at
     } else if !of.positioning && listed != ["width"] {
         format!("`{words}` is said of positioning, which `{name}` is not")
     } else if !WORDS.iter().any(|row| fits(&row)) {
-        format!("`{words}` alone bounds no error")
+        match listed.iter().find(|word| WORDS.iter().any(|(lead, _)| lead == *word)) {
+            Some(lead) if listed.len() > 1 => {
+                format!("`{words}` do not go together for `{name}`: `{lead}` with what it takes beside it is enough")
+            }
+            _ => format!("`{words}` alone bounds no error"),
+        }
     } else {
         let width = |(word, figure): &(&str, crate::syntax::Scalar)| {
             let size = bounded(context, figure, of.direction, &below(at, word))?;

@@ -42,6 +42,9 @@ pub(super) enum ExportFailure {
     NoAxis,
     #[error("the column `axis` names `{}` and `{}`: select one with `--axis`", shown(.0), shown(.1))]
     TwoAxes(String, String),
+    /// The axis that the file notes, and the one that was asked for.
+    #[error("the file says that axis `{}` moved, and not `{}`", shown(.0), shown(.1))]
+    AxisNoted(String, String),
     /// The title of the runs; `None` for positions that were reached.
     #[error(
         "the file does not say which error {} measure: give `--error EXX`",
@@ -91,6 +94,9 @@ pub(super) enum SampleFailure {
     /// Cells of the row, and of the header.
     #[error("{0} cells under {1} columns")]
     Cells(usize, usize),
+    /// Cells of the last row, and the fewest of a row above.
+    #[error("{0} cells in the last row, {1} or more in each above: is the file cut off?")]
+    Cut(usize, usize),
     #[error("marked `{}`", shown(.0))]
     Excluded(String),
     #[error("no position")]

@@ -37,8 +37,10 @@ pub(super) fn gather(
     let (mut lost, mut texts, mut marks) = (LostRows::default(), RowTexts::default(), PositionMarks::default());
     let named = header.names_runs();
     let position = header.roles.iter().position(|role| matches!(role, ColumnRole::Position(_))).unwrap_or(0);
-    for line in &lines[header.body..] {
+    let mut fewest = usize::MAX;
+    for (i, line) in lines.iter().enumerate().skip(header.body) {
         let mut cells = sheet::cells(&line.text, header.separator);
+        let written = cells.len();
         sheet::drop_empty(&mut cells, header.roles.len());
         let numbers = || cells.iter().zip(&header.roles).filter(|(_, role)| role.is_number()).map(|(cell, _)| cell);
         for cell in numbers() {
@@ -47,8 +49,14 @@ pub(super) fn gather(
         }
         rows::check_numbers(line, numbers(), header.separator)?;
         let at_position = cells.get(position).map_or("", String::as_str);
-        match row(&cells, header, wanted, &beside, &line.place, &mut import) {
+        let is_cut = i + 1 == lines.len() && i > header.body + 2 && written < fewest && fewest < usize::MAX;
+        let found = match is_cut {
+            true => Err(SampleFailure::Cut(written, fewest)),
+            false => row(&cells, header, wanted, &beside, &line.place, &mut import),
+        };
+        match found {
             Ok(samples) => {
+                fewest = fewest.min(written);
                 lost.read();
                 if texts.is_again(line, &cells, samples.len(), named) && !wanted.accepts_suspect {
                     continue;

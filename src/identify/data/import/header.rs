@@ -91,9 +91,15 @@ fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
 }
 
+/// True of the word for the axis in an entry or a title.
+pub(super) fn is_axis(word: &str) -> bool {
+    ["axis", "achse"].iter().any(|known| word.eq_ignore_ascii_case(known))
+}
+
 /// Returns the value of a key before the table.
 fn entry<'m>(metadata: &'m [(String, String)], key: &str) -> Option<&'m str> {
-    metadata.iter().find(|(known, _)| known.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
+    let is_key = |known: &str| known.eq_ignore_ascii_case(key) || (is_axis(known) && is_axis(key));
+    metadata.iter().find(|(known, _)| is_key(known)).map(|(_, value)| value.as_str())
 }
 
 /// Returns the title of positions of a line that begins a table: of two cells or more, one of them a position.
@@ -107,7 +113,8 @@ fn begins(layout: &ExportLayout, cells: &[String], axis: Option<&str>, map: Opti
             || (axis.is_none() && title.name.len() <= 2 && AxisName::new(&title.name).is_some())
     };
     // `axis; X` before the table is no header. Runs may be named by numbers, positions are words.
-    let is_entry = cells.len() == 2 && cells[0].eq_ignore_ascii_case("axis");
+    let said = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    let is_entry = said == 2 && is_axis(&cells[0]);
     if cells.len() < 2 || is_entry { None } else { cells.iter().map(|cell| Title::new(cell)).find(is_position) }
 }
 
@@ -361,7 +368,7 @@ impl HeaderReader<'_> {
     /// Returns the axes that the column `axis` names, each once, two at most.
     fn axes_of_rows(&self, titles: &[Title], body: usize) -> Vec<String> {
         let mut axes: Vec<String> = Vec::new();
-        let Some(column) = titles.iter().position(|title| title.lower == "axis") else { return axes };
+        let Some(column) = titles.iter().position(|title| is_axis(&title.lower)) else { return axes };
         for line in &self.lines[body.min(self.lines.len())..] {
             let cells = sheet::cells(&line.text, self.separator);
             // Not a line of words below the table.
@@ -380,6 +387,12 @@ impl HeaderReader<'_> {
             let short = title.name.len() <= 2 && parse_component_error(&title.name).is_none() && !run;
             short.then(|| AxisName::new(&title.name)).flatten().map(|n| n.to_string())
         };
+        let noted = self.entry("axis").map(str::to_uppercase).filter(|axis| AxisName::new(axis).is_some());
+        if let (Some(noted), Some(wanted)) = (&noted, &self.wanted.axis)
+            && !noted.eq_ignore_ascii_case(wanted)
+        {
+            return Err(ExportFailure::AxisNoted(noted.clone(), wanted.clone()));
+        }
         let given = self.wanted.axis.clone().or_else(|| self.entry("axis").map(str::to_owned));
         let column = self.axes_of_rows(titles, body);
         if let ([one, other], None) = (&column[..], &given) {

@@ -5,6 +5,7 @@
 
 use super::form::TableForm;
 use super::gather;
+use super::header::is_axis;
 use super::request::ImportRequest;
 use super::sample::{AxisSample, Import, UnusedColumn, refusal};
 use super::unit::{self, ReadingUnit, component_error, own_axis, reading_unit};
@@ -125,7 +126,7 @@ fn quantity(
     let (known, own) =
         ENDINGS.iter().find(|(known, ..)| *known == ending).map_or((None, false), |(_, unit, own)| (*unit, *own));
     let named = wanted.error.as_deref().map(component_error).transpose().map_err(Reason::new)?;
-    let note = contents.metadata.iter().find(|(key, _)| key.eq_ignore_ascii_case("axis"));
+    let note = contents.metadata.iter().find(|(key, _)| is_axis(key));
     let noted = note.map(|(_, axis)| axis.to_uppercase()).filter(|axis| AxisName::new(axis).is_some());
     let axis = wanted.axis.as_deref().map(str::to_uppercase).or(noted);
     let axis = axis.or_else(|| named.as_ref().map(|error| error.axis.to_string()));

@@ -75,7 +75,7 @@ const fn direction(direction: ColumnDirection, words: &'static [&'static str]) -
 pub(super) const GENERAL: ExportLayout = ExportLayout {
     titles: &[
         title(&["run", "cycle", "lauf", "zyklus"], None, ColumnMeaning::Run),
-        title(&["axis"], None, ColumnMeaning::Axis),
+        title(&["axis", "achse"], None, ColumnMeaning::Axis),
         title(
             &["direction", "dir", "approach", "approach direction", "direction of approach", "richtung"],
             None,
@@ -100,6 +100,16 @@ pub(super) const GENERAL: ExportLayout = ExportLayout {
         "soll",
         "sollposition",
         "soll-position",
+        "sollwert",
+        "soll pos",
+        "ziel",
+        "zielposition",
+        "zielpos",
+        "zielpos.",
+        "messposition",
+        "position pi",
+        "target pos",
+        "target pos.",
     ],
     reached: &[
         "actual position",
