@@ -2,10 +2,12 @@
 
 use super::uncertainty::CertificateBands;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SignTrials,
-    SingleErrorResidual, Strongest, ZeroShift, figures, judge_by, micro,
+    BallCheck, Certificate, ControllerTarget, Depth, DriveDemand, Figures, Judgement, KinematicsModule,
+    ProgrammingFigures, RaisedFigure, SignTrials, SingleErrorResidual, Strongest, TablesUnderTest, ZeroShift,
+    ball_checks, drive_demands, figures, judge_by, micro,
 };
 use crate::evaluate::{Bare, Field, Order, Summary};
+use crate::file_set::restore::Restored;
 use crate::file_set::verdict;
 use crate::identify::second::SecondMeasurement;
 use crate::job::job_file::{Job, JobPaths};
@@ -252,9 +254,22 @@ pub struct CertificateReport {
     /// Figures for each form of the tool direction, where the controller transforms.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub programming: Vec<ProgrammingFigures>,
+    /// What a kinematics module asks of the drives while a rotary axis turns and the tip stands on the part.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<DriveDemand>,
+    /// Angle from a pole within which a kinematics module bounds rotary corrections, deg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pole_zone_deg: Option<f64>,
+    /// Touches of a ball by which loaded kinematic parameters are checked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ball_checks: Vec<BallCheck>,
     /// Figures after each step of a composed set, the last for all of it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<CertificateStep>,
+    /// Content of the set that takes these files back, in the folder `restore` beside them; none where files are judged
+    /// that are there already.
+    #[serde(skip)]
+    pub restore: Option<Restored>,
     /// The figures beyond the measured ranges, over which the others are, where these are less than the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beyond_measured: Option<CertificateBeyond>,
@@ -346,6 +361,10 @@ impl CertificateReport {
             straight: certificate.straight,
             programming: certificate.programming,
             steps: Vec::new(),
+            restore: None,
+            drives: Vec::new(),
+            pole_zone_deg: None,
+            ball_checks: Vec::new(),
             beyond_measured: CertificateBeyond::of(field, &set_up, scope.depth),
             job: scope.job.as_ref().map(|work| JobCertificate::new(machine, field, work)),
             uncertainty,
@@ -355,6 +374,16 @@ impl CertificateReport {
             strongest: certificate.strongest,
             sign_trials: certificate.sign_trials,
         }
+    }
+
+    /// Adds what a kinematics module asks of the drives, and the check of its parameters by a ball.
+    pub(crate) fn with_module(mut self, machine: &Machine, module: &KinematicsModule, beside: TablesUnderTest) -> Self {
+        self.drives = drive_demands(machine, module);
+        self.pole_zone_deg = module.pole_zone_deg().filter(|_| self.drives.iter().any(|of| of.acceleration > 0.0));
+        if let Some(parameters) = module.parameters() {
+            self.ball_checks = ball_checks(machine, parameters, beside, Approach::Mean.into());
+        }
+        self
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.

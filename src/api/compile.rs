@@ -1,6 +1,8 @@
 //! `compile`: the files of a controller, with their certificate.
 
 use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
+use super::set_part::ComposedPart;
+use crate::compensation::CorrectionTables;
 use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Level, Limits, Lock, Manifest, NAMES, RenderedFile,
     TablesUnderTest, certify, certify_kinematics,
@@ -10,6 +12,7 @@ use crate::evaluate::Field;
 use crate::file_set::found_set;
 use crate::file_set::module_set::{self, InForce, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
+use crate::file_set::restore::{self, Restored};
 use crate::file_set::table_set::{self, TableRequest};
 use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
@@ -80,6 +83,9 @@ pub struct CompiledSet {
     /// The manifest of the set, to be written last as `abbe.lock.json`.
     #[serde(skip)]
     pub lock: Lock,
+    /// The set that takes this one back, in a subfolder.
+    #[serde(skip)]
+    pub restore: Vec<ComposedPart>,
     /// Residual after the controller has applied the files.
     #[serde(flatten)]
     pub certificate: CertificateReport,
@@ -148,7 +154,10 @@ fn tables(
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
     call.check()?;
-    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), scope))
+    let restored = restore::of_tables(call, file, target, &set.tables, installed.as_ref())?;
+    let mut compiled = assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), scope);
+    compiled.add_restore(file, target, restored, installed.is_some());
+    Ok(compiled)
 }
 
 fn module(
@@ -166,16 +175,30 @@ fn module(
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
     call.check()?;
+    let restored = restore::of_module(call, file, target, &set.module, &set.beside)?;
+    let (alone, none) = (set.module.clone(), CorrectionTables::default());
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    Ok(assemble(
-        file,
-        target,
-        options.compensation.module_words(),
-        set.rendered,
-        certificate,
-        &*effect.field(file, target),
-        scope,
-    ))
+    let (words, field) = (options.compensation.module_words(), effect.field(file, target));
+    let mut compiled = assemble(file, target, words, set.rendered, certificate, &*field, scope);
+    let beside = TablesUnderTest { target, tables: &none, installed: None };
+    compiled.certificate = compiled.certificate.with_module(file, &alone, beside);
+    compiled.add_restore(file, target, restored, options.installed.is_some());
+    Ok(compiled)
+}
+
+impl CompiledSet {
+    /// Adds the set that takes this one back.
+    fn add_restore(
+        &mut self,
+        file: &MachineFile,
+        target: &ControllerTarget,
+        restored: Vec<RenderedFile>,
+        installed: bool,
+    ) {
+        let part = ComposedPart::of_target(file, target, self.lock.options.clone(), restored);
+        self.restore = vec![part.of_restore()];
+        self.certificate.restore = Some(Restored::of(target, installed));
+    }
 }
 
 fn assemble(
@@ -190,7 +213,8 @@ fn assemble(
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, scope, names), files, lock }
+    let certificate = CertificateReport::new(file, target, certificate, field, scope, names);
+    CompiledSet { certificate, files, lock, restore: Vec::new() }
 }
 
 /// Warns of a machine that counts in inches: a controller's files have mm.

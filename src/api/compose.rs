@@ -4,10 +4,13 @@
 use super::certificate::{CertificateReport, CertificateScope, CertificateStep, figures_without_unheld};
 use super::compile::{CompileOptions, refuse_unverified};
 use super::second::SecondOptions;
-use crate::controller::{ControllerTarget, KinematicsModule, Lock, ModuleField, RenderedFile};
+use super::set_part::ComposedPart;
+use crate::compensation::CorrectionTables;
+use crate::controller::{KinematicsModule, Lock, ModuleField, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::module_set::InForce;
 use crate::file_set::options::CompensationOptions;
+use crate::file_set::restore::{self, Restored};
 use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::machine::{Machine, OperatingPoint};
@@ -23,20 +26,12 @@ pub struct ComposedSet {
     /// The manifest over both, to be written last as `abbe.lock.json`.
     #[serde(skip)]
     pub lock: Lock,
+    /// The set that takes this one back, with its parts first.
+    #[serde(skip)]
+    pub restore: Vec<ComposedPart>,
     /// Residual after the controller has applied both.
     #[serde(flatten)]
     pub certificate: CertificateReport,
-}
-
-/// The set of one target in a composed set.
-#[derive(Debug, Clone)]
-pub struct ComposedPart {
-    /// Name of its subfolder: the target's.
-    pub folder: String,
-    /// The files, without the manifest.
-    pub files: Vec<RenderedFile>,
-    /// The manifest of the part.
-    pub lock: Lock,
 }
 
 /// Compiles a machine to kinematic parameters and to tables for what they leave.
@@ -65,22 +60,45 @@ pub fn compile_composed(
             max_nodes: options.max_nodes,
         };
         let (composition, [of_first, of_second]) = compose(call, file, targets.0, targets.1, request)?;
-        let certificate = certificate(call, &composition, file, &scope)?;
-        let first = part(file, &composition.target, how.module_words(), of_first);
-        let beside = [how.words(), vec![beside(&first.lock)]].concat();
-        let second = part(file, &composition.tables_target, beside, of_second);
-        let parts = vec![first, second];
-        let hashed = |part: &ComposedPart| Hashed::new(part.folder.clone(), part.lock.to_text().as_bytes());
-        let mut lock = Lock::new(&composition.name(), file, how.words(), file.inputs(), Vec::new());
-        lock.parts = parts.iter().map(hashed).collect();
-        Ok(ComposedSet { parts, lock, certificate })
+        let mut certificate = certificate(call, &composition, file, &scope)?;
+        certificate.restore = Some(Restored::of(&composition.target, options.installed.is_some()));
+        let (parts, lock) = in_parts(file, &composition, how, [of_first, of_second]);
+        let restore = restore(call, file, &composition, how)?;
+        Ok(ComposedSet { parts, lock, restore, certificate })
     })
 }
 
-fn part(file: &MachineFile, target: &ControllerTarget, words: Vec<String>, files: Vec<RenderedFile>) -> ComposedPart {
-    let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
-    let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
-    ComposedPart { folder: target.manifest.target.clone(), files, lock }
+/// Returns the sets of both targets, and the manifest over them.
+fn in_parts(
+    file: &MachineFile,
+    composition: &Composition,
+    how: &CompensationOptions,
+    [of_first, of_second]: [Vec<RenderedFile>; 2],
+) -> (Vec<ComposedPart>, Lock) {
+    let first = ComposedPart::of_target(file, &composition.target, how.module_words(), of_first);
+    let beside = [how.words(), vec![beside(&first.lock)]].concat();
+    let second = ComposedPart::of_target(file, &composition.tables_target, beside, of_second);
+    let parts = vec![first, second];
+    let hashed = |part: &ComposedPart| Hashed::new(part.folder.clone(), part.lock.to_text().as_bytes());
+    let mut lock = Lock::new(&composition.name(), file, how.words(), file.inputs(), Vec::new());
+    lock.parts = parts.iter().map(hashed).collect();
+    (parts, lock)
+}
+
+/// Returns the set that takes a composed set back: both parts, then the manifest over them.
+fn restore(
+    call: &mut Call,
+    file: &MachineFile,
+    composition: &Composition,
+    how: &CompensationOptions,
+) -> Result<Vec<ComposedPart>, Refused> {
+    let Composition { target, parameters, tables_target, tables, before, .. } = composition;
+    let module = KinematicsModule::KinematicParameters(parameters.clone());
+    let first = restore::of_module(call, file, target, &module, &CorrectionTables::default())?;
+    let second = restore::of_tables(call, file, tables_target, tables, before.as_ref())?;
+    let (parts, lock) = in_parts(file, composition, how, [first, second]);
+    let above = ComposedPart { folder: String::new(), files: Vec::new(), lock }.of_restore();
+    Ok(parts.into_iter().map(ComposedPart::below_restore).chain([above]).collect())
 }
 
 /// The certificate of both, with its steps.
@@ -94,7 +112,8 @@ fn certificate(
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
-    let mut report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
+    let report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
+    let mut report = report.with_module(file, &module, tables);
     let alone = ModuleField::new(file, &module);
     let first = figures_without_unheld(file, &alone, scope).unwrap_or(first);
     call.extend(verdict::worse_together(&first, &report.compensated));

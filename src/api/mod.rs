@@ -48,6 +48,7 @@ pub(crate) mod record;
 pub(crate) mod replay;
 pub mod results;
 mod second;
+mod set_part;
 pub mod sets;
 pub(crate) mod show;
 pub(crate) mod sources;

@@ -19,7 +19,7 @@ pub use super::compare_figures::{FittedComparison, FittedMachine, JudgedDifferen
 pub use super::compare_targets::{RefusedTarget, TargetComparison, TargetResidual};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
-pub use super::compose::{ComposedPart, ComposedSet};
+pub use super::compose::ComposedSet;
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::effects::{ErrorEffect, Neglected};
@@ -45,6 +45,7 @@ pub use super::map_result::{
 };
 pub use super::place::PlacementResult;
 pub use super::reach::{ReachDirections, ReachResult};
+pub use super::set_part::ComposedPart;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
@@ -63,11 +64,13 @@ pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
 pub use crate::analysis::zone::{CharacteristicKind, ZoneFit};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{
-    CompensationDegree, ControllerTarget, Figures, MIN_READING_MM, NumberChange, ProgrammingFigures, ROUNDING_UM,
-    RaisedFigure, SignTrial, SignTrials, SingleErrorResidual, Strongest, ToolDirection,
+    BallCheck, CompensationDegree, ControllerTarget, DriveDemand, Figures, MIN_READING_MM, NumberChange,
+    ProgrammingFigures, ROUNDING_UM, RaisedFigure, SignTrial, SignTrials, SingleErrorResidual, Strongest,
+    ToolDirection,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
+pub use crate::file_set::restore::Restored;
 pub use crate::identify::second::{
     JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
     SetUpValue,

@@ -149,9 +149,12 @@ fn module(
     let code = target.code_files();
     let names = texts.iter().filter(|text| !code.contains(&text.name)).map(|text: &ReadBack| text.found.clone());
     let names = names.collect();
+    let (alone, none) = (module.clone(), crate::compensation::CorrectionTables::default());
+    let tables = TablesUnderTest { target, tables: &none, installed: None };
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    let mut report = CertificateReport::new(file, target, certificate, &*effect.field(file, target), scope, names);
+    let report = CertificateReport::new(file, target, certificate, &*effect.field(file, target), scope, names);
     let added = |machine: &Machine, at: &OperatingPoint<'_>| effect.addition(machine, target)(at);
+    let mut report = report.with_module(file, &alone, tables);
     report.second = options.second.judge(call, file, scope.depth.seed, &added)?;
     Ok(report)
 }

@@ -20,11 +20,12 @@ mod read;
 mod replay;
 mod single_errors;
 
-pub(crate) use certificate::raised_figures;
 pub use certificate::{
-    Certificate, CompensationDegree, ControllerEffect, Depth, Figures, Judgement, ProgrammingFigures, ROUNDING_UM,
-    RaisedFigure, SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, figures, judge_by, micro,
+    BallCheck, Certificate, CompensationDegree, ControllerEffect, Depth, DriveDemand, Figures, Judgement,
+    ProgrammingFigures, ROUNDING_UM, RaisedFigure, SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection,
+    ZeroShift, figures, judge_by, micro,
 };
+pub(crate) use certificate::{ball_checks, drive_demands, raised_figures};
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, ProgramManifest, ProgramWords, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{

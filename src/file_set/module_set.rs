@@ -161,7 +161,7 @@ fn beside(
 }
 
 /// Reads the rendered bytes back as `verify` would, and refuses any difference from the intended module.
-fn read_back(
+pub(super) fn read_back(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,

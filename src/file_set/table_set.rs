@@ -241,7 +241,7 @@ fn warn_unknown_scales(call: &mut Call, machine: &Machine, target: &ControllerTa
 }
 
 /// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
-fn read_back(
+pub(super) fn read_back(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,

@@ -224,6 +224,13 @@ impl Machine {
         Some(Self { parts: self.parts.clone(), tool })
     }
 
+    /// The same machine under another name.
+    pub fn named(&self, name: String) -> Self {
+        let mut renamed = self.clone();
+        renamed.parts.name = name;
+        renamed
+    }
+
     /// The same machine with other nominal lines of rotary axes and their location errors, another axis (unit vector)
     /// and tip (mm) of the tool in use, and other location errors of the spindle, if it has one.
     pub fn with_lines(&self, lines: &[MovedLine], direction: [f64; 3], tip: [f64; 3], spindle: [f64; 6]) -> Self {

@@ -395,20 +395,22 @@ fn run_compile(request: &VerbRequest<'_>, run: Run) -> Found {
     if request.words.len() > 1 {
         let found = compile_composed(request.machine()?, request.words, &options, run)?;
         let (answer, set) = headed(found, |set| headline::certificate(&set.certificate));
-        let below = |part: ComposedPart| {
-            let name = move |name: &str| format!("{}/{name}", part.folder);
-            let lock = (name(LOCK_NAME), part.lock.to_text().into_bytes());
-            part.files.into_iter().map(|file| (name(&file.name), file.bytes)).chain([lock]).collect::<Vec<_>>()
-        };
         let lock = (LOCK_NAME.to_owned(), set.lock.to_text().into_bytes());
-        let files = set.parts.into_iter().flat_map(below).chain([lock]).collect();
+        let files = set.parts.into_iter().chain(set.restore).flat_map(below).chain([lock]).collect();
         return Ok(VerbAnswer { files, ..answer });
     }
     let (answer, set) =
         headed(compile(request.machine()?, &options, run)?, |set| headline::certificate(&set.certificate));
     let lock = (LOCK_NAME.to_owned(), set.lock.to_text().into_bytes());
-    let files = set.files.into_iter().map(|file| (file.name, file.bytes)).chain([lock]).collect();
-    Ok(VerbAnswer { files, ..answer })
+    let files = set.files.into_iter().map(|file| (file.name, file.bytes)).chain([lock]);
+    Ok(VerbAnswer { files: files.chain(set.restore.into_iter().flat_map(below)).collect(), ..answer })
+}
+
+/// Returns the files of a set in a subfolder, with their paths.
+fn below(part: ComposedPart) -> Vec<(String, Vec<u8>)> {
+    let name = |name: &str| format!("{}/{name}", part.folder);
+    let lock = (name(LOCK_NAME), part.lock.to_text().into_bytes());
+    part.files.into_iter().map(|file| (name(&file.name), file.bytes)).chain([lock]).collect()
 }
 
 fn run_report(request: &VerbRequest<'_>, run: Run) -> Found {

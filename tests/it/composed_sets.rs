@@ -166,7 +166,7 @@ fn tables_take_what_the_parameters_leave() {
     // In any order: parameters come first.
     let json = both(&folder, &["sinumerik-cec", "sinumerik-traori"]).json();
     let out = folder.path("out");
-    assert_eq!(names(&out), ["abbe.lock.json", "sinumerik-cec", "sinumerik-traori"]);
+    assert_eq!(names(&out), ["abbe.lock.json", "restore", "sinumerik-cec", "sinumerik-traori"]);
     let sample = sample(&path);
     let sent = sent(&out, &sample);
     let remaining: Vec<f64> = left::poses(&sample, 8, 2000)

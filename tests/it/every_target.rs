@@ -102,6 +102,8 @@ fn judge(name: &str, target: &str) -> bool {
     diff.arg("diff").arg(&machine).args([&out, &out]).args(["--format", "json", "--poses", "3"]);
     let moved = Run::of(&mut diff).json();
     assert_eq!(number(&moved, "/position_um/max"), 0.0, "{name} {target}");
+    let off = verify(&machine, &out.join("restore"), &["--poses", "20"]).json();
+    crate::restore_sets::off_is_bare(&off, &format!("{name} {target}"));
     true
 }
 

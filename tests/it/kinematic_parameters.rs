@@ -68,8 +68,14 @@ pub fn with_spindle(of_axes: &str) -> String {
 
 /// `NAME = VALUE` in any of the formats, by name; a remark is cut off.
 pub fn numbers(file: &Path) -> BTreeMap<String, f64> {
-    let text = std::fs::read_to_string(file).unwrap();
+    numbers_of(&std::fs::read_to_string(file).unwrap())
+}
+
+/// The numbers of a file without the kind of a swivel data record.
+fn numbers_of(text: &str) -> BTreeMap<String, f64> {
     let mut found = BTreeMap::new();
+    let text: String =
+        text.lines().filter(|line| !line.contains("CARR23")).map(|line| line.to_owned() + "\n").collect();
     for line in text.lines().map(|line| line.split([';', '#']).next().unwrap().trim()).filter(|line| !line.is_empty()) {
         let parts = line.split_once('=').or_else(|| line.split_once("Q1M")).or_else(|| line.rsplit_once(' '));
         let Some((name, value)) = parts else { continue };
@@ -643,6 +649,46 @@ fn one_rotary_axis_in_fanucs_numbers() {
     assert_eq!(numbers(&out.join("TCP.PRM")), wanted.into_iter().map(|(k, v)| (k.to_owned(), v)).collect());
     assert_eq!(json["errors"]["EX0B"]["handled"], "fully");
     assert_eq!(json["errors"]["EA0B"]["handled"], "no");
+}
+
+/// One rotary axis is axis 1 of the record, and the vector of axis 2 is zero.
+#[test]
+fn swivel_data_of_one_rotary_axis() {
+    const OF_C: &str = "  EX0C: 26 um\n  EY0C: -9 um\n  EA0C: -62 urad\n  EB0C: 44 urad\n";
+    let table = table_table(OF_C).replace("w C' A' Y'", "w C' Y'");
+    let a = table.find("A: { controller: 4").unwrap();
+    let table = table.replacen(&table[a..a + table[a..].find("C: {").unwrap()], "", 1);
+    let head = head_head(OF_C).replace("X Z C B (S)", "X Z C (S)");
+    let b = head.find("B: { controller: 4").unwrap();
+    let head = head.replacen(&head[b - 2..b + head[b..].find("tool:").unwrap()], "", 1);
+    for (kind, text) in [("P", table), ("T", head)] {
+        let folder = Folder::new();
+        let (machine, out, json) = compiled(&folder, &text, "sinumerik-tcarr");
+        let file = std::fs::read_to_string(out.join("TCARR.MPF")).unwrap();
+        assert!(file.contains(&format!("$TC_CARR23[1]=\"{kind}\"\n")), "{file}");
+        let found = numbers_of(&file);
+        let of = |first: usize| vector(&found, |k| format!("$TC_CARR{}[1]", first + k));
+        assert!(norm(of(10)) == 0.0 && norm(of(15)) == 0.0, "{file}");
+        let (point, direction) = (of(4), of(7));
+        let back = of(if kind == "P" { 18 } else { 1 });
+        assert!(norm(plus(point, back)) < 1e-9, "{file}");
+        let control = match kind {
+            "P" => Control {
+                table: vec![Line { axis: "C", direction: negative(direction), point }],
+                head: vec![],
+                tool: [0.0, 0.0, 1.0],
+            },
+            _ => Control { table: vec![], head: vec![Line { axis: "C", direction, point }], tool: [0.0, 0.0, 1.0] },
+        };
+        let (position, axis) = apart(&control, &sample(&machine));
+        assert!(position < 3e-6 && axis < 3e-9, "{kind}: {position:e} mm {axis:e} rad");
+        assert_eq!(json["errors"]["EX0C"]["handled"], "fully", "{kind}: {json}");
+        // A record of another second axis is another machine's.
+        let other = file.replace("$TC_CARR10[1]=0", "$TC_CARR10[1]=1");
+        assert_ne!(other, file);
+        std::fs::write(out.join("TCARR.MPF"), other).unwrap();
+        let _ = verify(&machine, &out, &["--poses", "5"]).refused("E0704");
+    }
 }
 
 #[test]

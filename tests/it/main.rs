@@ -126,6 +126,7 @@ mod remarks;
 mod replays;
 mod report;
 mod repository;
+mod restore_sets;
 mod robots;
 mod rooms;
 mod rotary_sheet;

@@ -100,7 +100,8 @@ def worker():
 
 def run(directory, text, keep):
     program = json.loads(text)
-    parts = [name for name in os.listdir(directory) if os.path.isdir(os.path.join(directory, name))]
+    folders = [name for name in os.listdir(directory) if os.path.isdir(os.path.join(directory, name))]
+    parts = [name for name in folders if name != "restore"]
     other = next(name for name in parts if name != "linuxcnc")
     (hal,) = [name for name in os.listdir(os.path.join(directory, other)) if name.endswith(".hal")]
     tables = {joint.letter: joint for joint in Fragment(os.path.join(directory, "linuxcnc")).joints}

@@ -27,13 +27,14 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 18] = [
+const CHECKS: [checks::Check; 19] = [
     ("parameters and tables together, xyzac-trt and xyzbc-trt", composed::tilting_tables),
     ("parameters and tables together, 5axiskins", composed::head),
     ("parameters and tables together, maxkins", composed::head_over_table),
     ("the harness notices spoiled tables", tables::harness),
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
+    ("a restore set of tables, loaded in place of the set", tables::restored),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
     ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::nominal),
     ("centres in xyzac-trt and xyzbc-trt", kinematics::centres),

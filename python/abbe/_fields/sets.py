@@ -62,6 +62,28 @@ class ProgrammingFigures(Record):
     away_from_poles: Annotated[Union[CertifiedFigures, None], "Figures with them without those poses; ``None`` if there are none, or no others."]
 
 
+class DriveDemand(Record):
+    """The largest demand on the drive of a joint while a rotary axis turns."""
+
+    turning: Annotated[str, "The rotary axis of the program."]
+    joint: Annotated[str, "The axis of the joint that moves with it."]
+    rate: Annotated[float, "Its largest rate per deg/s, mm/s or deg/s."]
+    rate_at: Annotated[Named[float], "The positions of the program at which it has that rate."]
+    acceleration: Annotated[float, "Its largest acceleration per (deg/s)^2, mm/s^2 or deg/s^2."]
+    acceleration_at: Annotated[Named[float], "The positions of the program at which it has that acceleration."]
+    ideal_acceleration: Annotated[float, "The largest acceleration that the machine without errors needs, in the same unit."]
+
+
+class BallCheck(Record):
+    """Two touches of a ball that stands on the part, one rotary axis turned between them."""
+
+    turned: Annotated[str, "The axis that is turned."]
+    first: Annotated[Named[float], "Positions of the first touch, mm and deg: the tip is at the centre of the ball."]
+    second: Annotated[Named[float], "Positions of the second touch."]
+    before_um: Annotated[list[float], "Centre found second less that found first, X, Y, Z of the part, with the numbers before the set, um."]
+    with_um: Annotated[list[float], "The same with the set, um."]
+
+
 class CertificateStep(Record):
     """Figures after a step of a composed set."""
 
@@ -182,6 +204,9 @@ class CertificateFields(Record):
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
     straight: Annotated[Union[CertifiedFigures, None], "Figures with straight lines between points, where the control has them as an option; ``compensated`` is then with steps, in the worst place of each section."]
     programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
+    drives: Annotated[Union[list[DriveDemand], None], "What a kinematics module asks of the drives while a rotary axis turns and the tip stands on the part."]
+    pole_zone_deg: Annotated[Union[float, None], "Angle from a pole within which a kinematics module bounds rotary corrections, deg."]
+    ball_checks: Annotated[Union[list[BallCheck], None], "Touches of a ball by which loaded kinematic parameters are checked."]
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
     beyond_measured: Annotated[Union[CertificateBeyond, None], "The figures beyond the measured ranges, over which the others are, where these are less than the volume."]
     job: Annotated[Union[JobCertificate, None], "The figures over a job, if one was given."]

@@ -6,9 +6,9 @@ use super::view::table;
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, AxisKind, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate,
-    MIN_READING_MM, Machine, NumberChange, ReferenceShift, SeenCorrection, SignTrial, SignTrials, SingleErrorResidual,
-    Summary, ToolDirection,
+    Axis, AxisKind, AxisPositions, BallCheck, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget,
+    Figures, JobCertificate, MIN_READING_MM, Machine, NumberChange, ReferenceShift, Restored, SeenCorrection,
+    SignTrial, SignTrials, SingleErrorResidual, Summary, ToolDirection,
 };
 use abbe::text::{counted, micro, significant};
 use std::path::Path;
@@ -58,7 +58,8 @@ impl CertificateView<'_> {
     fn text(&self) -> String {
         let [figures, job, second] = [self.figures(), self.job(), self.second()];
         let heading = abbe::headlines::certificate(self.report) + &self.heading();
-        let parts = [heading, second, figures, job, self.programming(), self.by_error(), self.cautions()];
+        let parts =
+            [heading, second, figures, job, self.programming(), self.drives(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
@@ -66,18 +67,30 @@ impl CertificateView<'_> {
         let what = &self.report.controller.manifest;
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
-            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the {}volume, none a table \
+            "{}: {}\n{} {files} in {}\n{}Tool: {}\n\nCertificate: {} poses spread over the {}volume, none a table \
              point, {}{}\n",
             self.report.machine.name(),
             what.title,
             self.report.files.len(),
             self.folder.display(),
+            self.restore(),
             tool(&self.report.machine, &self.report.controller),
             self.report.poses,
             if self.report.beyond_measured.is_some() { "measured part of the " } else { "" },
             self.report.over.reference_words(),
             approached(self.report.direction)
         )
+    }
+
+    /// Returns what takes the files back.
+    fn restore(&self) -> String {
+        let Some(restored) = self.report.restore else { return String::new() };
+        let holds = match restored {
+            Restored::InForce => "what was in force before",
+            Restored::NominalNumbers => "the numbers of the nominal machine: compare them with those in force",
+            Restored::NoCorrections => "the same files without corrections",
+        };
+        format!("Back again: {}/restore, {holds}\n", self.folder.display())
     }
 
     /// Returns the figures over the job.
@@ -191,6 +204,65 @@ impl CertificateView<'_> {
             }
         }
         format!("Compensated, by what a block programs for the direction of the tool:\n{table}\n{}", self.poles())
+    }
+
+    /// Returns what a module asks of the drives: for each rotary axis the linear and the rotary joint that accelerate
+    /// most.
+    fn drives(&self) -> String {
+        let (axes, all) = (self.report.machine.axes(), &self.report.drives);
+        if all.is_empty() {
+            return String::new();
+        }
+        let kind = |name: &str| axes.iter().find(|axis| axis.name.as_str() == name).map(|axis| axis.kind);
+        let mut text =
+            "Drives, for 1 deg/s of a rotary axis while the tip stands on the part (at 10 deg/s rates times \
+                        10, accelerations times 100):\n"
+                .to_owned();
+        for turning in axes.iter().filter(|axis| axis.kind == AxisKind::Rotary) {
+            for of in [AxisKind::Linear, AxisKind::Rotary] {
+                let moved = all.iter().filter(|one| one.turning == turning.name.as_str());
+                let moved = moved.filter(|one| kind(&one.joint) == Some(of));
+                let Some(most) = moved.max_by(|a, b| a.acceleration.total_cmp(&b.acceleration)) else { continue };
+                let unit = if of == AxisKind::Linear { "mm" } else { "deg" };
+                let [rate, most_of, ideal] =
+                    [most.rate, most.acceleration, most.ideal_acceleration].map(|x| significant(x, 3));
+                let (turning, joint, place) = (&most.turning, &most.joint, place(&most.acceleration_at));
+                text.push_str(&format!(
+                    "  {turning} turns: {joint} {rate} {unit}/s, {most_of} {unit}/s2 (ideal machine {ideal}) at \
+                     {place}\n"
+                ));
+            }
+        }
+        if let Some(zone) = self.report.pole_zone_deg {
+            text.push_str(&format!(
+                "Within {} deg of a pole, where the tool stands along a rotary axis, rotary corrections are bounded.\n",
+                significant(zone, 3)
+            ));
+        }
+        text
+    }
+
+    /// Returns the check of loaded parameters by a ball.
+    fn ball_checks(&self) -> String {
+        let checks = &self.report.ball_checks;
+        if checks.is_empty() {
+            return String::new();
+        }
+        let centre = |um: &[f64; 3]| um.map(|x| format!("{x:+.1}")).join(" ");
+        let mut text =
+            "Then probe a ball that stands on the part, with a probe as long as the tool above and the control's \
+                        transformation on. Its centre, found in X Y Z of the part, moves by the turn of one axis:\n"
+                .to_owned();
+        for BallCheck { turned, first, second, before_um, with_um } in checks {
+            text.push_str(&format!(
+                "  {turned}: from {} to {}\n     before {} um, with this set {} um\n",
+                place(first),
+                place(second),
+                centre(before_um),
+                centre(with_um)
+            ));
+        }
+        text
     }
 
     /// Returns what the controller is taken to do at a pole, if any pose is at one.
@@ -350,8 +422,14 @@ impl CertificateView<'_> {
         manifest.cannot.iter().for_each(|line| text.push_str(&format!("  - {line}\n")));
         text.push_str(&format!("Test the sign before cutting: {}\n", manifest.sign_test.trim()));
         text.push_str(&self.sign_test());
+        text.push_str(&self.ball_checks());
         text
     }
+}
+
+/// Returns a pose in words.
+fn place(at: &AxisPositions) -> String {
+    at.iter().map(|(name, q)| format!("{name} {}", significant(*q, 6))).collect::<Vec<_>>().join(" ")
 }
 
 /// Returns a change of a number in words.

@@ -66,7 +66,7 @@ pub(crate) struct Replacement<'a> {
     /// Its manifest.
     pub lock: Lock,
     /// Files of the old set, with their bytes, that the new set does not have.
-    pub removed: &'a [Hashed],
+    pub removed: Vec<Hashed>,
     /// True for a path that stays whatever its name.
     pub kept: &'a dyn Fn(&Path) -> bool,
 }
@@ -77,14 +77,37 @@ pub(crate) struct Stale {
     pub why: String,
 }
 
-impl Replacement<'_> {
+/// A replacement whose files are written under temporary names; they go if it is not carried out.
+pub(crate) struct StagedReplacement<'a> {
+    replacement: Replacement<'a>,
+    staged: StagedFiles,
+    decided: Decided,
+    /// Temporary files of runs that were killed.
+    before: Vec<(u32, PathBuf)>,
+}
+
+impl StagedReplacement<'_> {
     /// Replaces files and removes others; returns those that could not be removed. The folder is held. What is done
     /// `between` decision and replacement is a part of it.
     pub(crate) fn carry_out(
-        mut self,
+        self,
         folder: &Path,
         between: impl FnOnce() -> Result<(), Diagnostic>,
     ) -> Result<Vec<Stale>, Diagnostic> {
+        let Self { mut replacement, staged, decided, before } = self;
+        staged.decide(folder, &decided)?;
+        between().map_err(|refusal| refusal.help(HALF))?;
+        let placed = replacement.put_in_place(folder, decided.run);
+        let stale = placed.map_err(|(name, failure)| half_replaced(&name, &failure))?;
+        let ours = before.iter().filter(|(_, path)| !(replacement.kept)(path));
+        ours.for_each(|(_, path)| drop(fs::remove_file(path)));
+        Ok(stale)
+    }
+}
+
+impl<'a> Replacement<'a> {
+    /// Writes every file under a temporary name. The folder is held.
+    pub(crate) fn stage(self, folder: &Path) -> Result<StagedReplacement<'a>, Diagnostic> {
         let before = leftovers(folder);
         // No number of the process: in a container that is always the same.
         let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
@@ -92,12 +115,7 @@ impl Replacement<'_> {
         let all: Vec<&RenderedFile> = self.files.iter().chain([&manifest]).collect();
         let staged = StagedFiles::write(folder, &all, run)?;
         let files = all.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
-        staged.decide(folder, &Decided { run, files })?;
-        between().map_err(|refusal| refusal.help(HALF))?;
-        let stale = self.put_in_place(folder, run).map_err(|(name, failure)| half_replaced(&name, &failure))?;
-        let ours = before.iter().filter(|(_, path)| !(self.kept)(path));
-        ours.for_each(|(_, path)| drop(fs::remove_file(path)));
-        Ok(stale)
+        Ok(StagedReplacement { replacement: self, staged, decided: Decided { run, files }, before })
     }
 
     fn put_in_place(&mut self, folder: &Path, run: u32) -> Result<Vec<Stale>, (String, std::io::Error)> {

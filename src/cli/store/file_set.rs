@@ -3,7 +3,7 @@
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
 //! a file of the same name that is not is foreign or hand-edited and is refused; others are not touched.
 
-use super::commit::{self, Decided, Replacement, Stale};
+use super::commit::{self, Decided, Replacement, StagedReplacement, Stale};
 use super::files::{Recorded, SET_LIMIT, read_at_most};
 use super::write;
 use crate::cli::Outcome;
@@ -28,25 +28,30 @@ pub(crate) struct NewSet<'a> {
 }
 
 impl NewSet<'_> {
-    /// Writes the set into a folder (made if it is not there), then its manifest. Returns warnings.
-    pub(crate) fn write(&self, folder: &Path) -> Result<Vec<Diagnostic>, Diagnostic> {
-        self.prepare(folder)?.write(|| Ok(()))
-    }
-
-    /// Writes the sets of several targets into subfolders, and this one, the manifest above them: all are replaced as
-    /// one, and no other run writes there meanwhile. Returns warnings.
+    /// Writes sets into subfolders and this one above them, each with its manifest: all are replaced as one, and no
+    /// other run writes there meanwhile. Returns warnings.
     pub(crate) fn write_above(
         &self,
         folder: &Path,
         parts: &[(&str, NewSet<'_>)],
     ) -> Result<Vec<Diagnostic>, Diagnostic> {
-        let above = self.prepare(folder)?;
-        let prepared = parts.iter().map(|(name, part)| part.prepare(&folder.join(name)));
-        let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
+        let kept = |path: &Path| write::is_input(path, self.read);
+        let staged = || {
+            let above = self.prepare(folder)?;
+            let prepared = parts.iter().map(|(name, part)| part.prepare(&folder.join(name)));
+            let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
+            // All files are there before the first set is decided: a full disk changes none.
+            let staged = prepared.into_iter().map(|part| part.stage(&kept)).collect::<Result<Vec<_>, _>>()?;
+            Ok((above.stage(&kept)?, staged))
+        };
+        let (above, staged) = staged().inspect_err(|_| {
+            // Those that were made for this run are empty.
+            parts.iter().for_each(|(name, _)| drop(fs::remove_dir(folder.join(name))));
+        })?;
         let mut warnings = Vec::new();
-        let own = above.write(|| {
-            for part in prepared {
-                warnings.extend(part.write(|| Ok(()))?);
+        let own = above.carry_out(|| {
+            for part in staged {
+                warnings.extend(part.carry_out(|| Ok(()))?);
             }
             Ok(())
         })?;
@@ -129,14 +134,31 @@ struct Prepared<'s> {
     _guard: fs::File,
 }
 
-impl Prepared<'_> {
-    /// Replaces the old set, with other sets `between` decision and manifest. Returns warnings.
-    fn write(mut self, between: impl FnOnce() -> Result<(), Diagnostic>) -> Result<Vec<Diagnostic>, Diagnostic> {
+impl<'s> Prepared<'s> {
+    /// Writes the files of the set under temporary names.
+    fn stage(self, kept: &'s dyn Fn(&Path) -> bool) -> Result<StagedSet<'s>, Diagnostic> {
         let mut lock = self.set.lock.clone();
         lock.stale = self.stale.iter().map(|stale| stale.file.clone()).collect();
-        let kept = |path: &Path| write::is_input(path, self.set.read);
-        let replacement = Replacement { files: self.set.files, lock, removed: &self.removed, kept: &kept };
-        self.stale.extend(replacement.carry_out(&self.folder, between)?);
+        let replacement = Replacement { files: self.set.files, lock, removed: self.removed, kept };
+        let Self { folder, stale, half_replaced, _guard, .. } = self;
+        Ok(StagedSet { staged: replacement.stage(&folder)?, folder, stale, half_replaced, _guard })
+    }
+}
+
+/// A set whose files are written under temporary names.
+struct StagedSet<'s> {
+    staged: StagedReplacement<'s>,
+    folder: PathBuf,
+    stale: Vec<Stale>,
+    half_replaced: bool,
+    /// Holds the folder.
+    _guard: fs::File,
+}
+
+impl StagedSet<'_> {
+    /// Replaces the old set, with other sets `between` decision and manifest. Returns warnings.
+    fn carry_out(mut self, between: impl FnOnce() -> Result<(), Diagnostic>) -> Result<Vec<Diagnostic>, Diagnostic> {
+        self.stale.extend(self.staged.carry_out(&self.folder, between)?);
         let mended = self.half_replaced.then(|| mend(&self.folder));
         Ok(mended.into_iter().chain(self.stale.iter().map(|stale| still_there(&self.folder, stale))).collect())
     }

@@ -93,8 +93,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let other = args.replace;
-    let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes, other };
-    match new.write(&args.out) {
+    let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes, other };
+    let restore: Vec<_> = set.restore.iter().map(|one| (one.folder.as_str(), of(&one.files, &one.lock))).collect();
+    match of(&set.files, &set.lock).write_above(&args.out, &restore) {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
     }
@@ -106,14 +107,15 @@ fn archive(session: &mut Session, args: &Args) -> Outcome {
     args.record.as_ref().map_or(Ok(()), |record| archive::keep(session, record, &args.out))
 }
 
-/// Writes the sets of two targets into subfolders, then the manifest over both.
+/// Writes the sets of two targets and what takes them back into subfolders, then the manifest over both.
 fn compose(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let set = session.take(abbe::compile_composed(file, &args.targets(), &args.options(), session.run()))?;
     archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes, other: args.replace };
-    let parts: Vec<_> = set.parts.iter().map(|one| (one.folder.as_str(), of(&one.files, &one.lock))).collect();
+    let parts = set.parts.iter().chain(&set.restore);
+    let parts: Vec<_> = parts.map(|one| (one.folder.as_str(), of(&one.files, &one.lock))).collect();
     match of(&[], &set.lock).write_above(&args.out, &parts) {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),

@@ -9,8 +9,10 @@
 //! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds both
 //! folders to that.
 
+mod ball_check;
 mod content;
 mod depth;
+mod drives;
 mod effect;
 mod figures;
 mod module;
@@ -19,9 +21,13 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
+pub use ball_check::BallCheck;
+pub(crate) use ball_check::ball_checks;
 pub use content::{Certificate, ProgrammingFigures, ToolDirection};
 pub use depth::Depth;
 pub(super) use depth::{LatticeSubset, single_error_poses};
+pub use drives::DriveDemand;
+pub(crate) use drives::drive_demands;
 pub use effect::ControllerEffect;
 pub(crate) use figures::raised_figures;
 pub use figures::{Figures, Judgement, ROUNDING_UM, RaisedFigure, figures, judge_by, micro};

@@ -103,7 +103,8 @@ impl TableWords<'_> {
         for table in &self.tables.tables {
             let apart = self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables);
             let directed = direction_entries(table, number, apart);
-            number += table.count(apart);
+            // Two directions have two numbers even where they hold the same.
+            number += if apart && table.factors.is_empty() { directed.len() } else { table.count(apart) };
             if keep(table)
                 && let Some(rules) = self.rules(table)
             {

@@ -15,6 +15,7 @@ mod lock;
 mod number;
 mod program;
 mod render;
+mod restored;
 mod stored;
 
 pub(super) use context::tool_direction;

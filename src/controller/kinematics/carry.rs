@@ -73,6 +73,15 @@ impl KinematicsModule {
         }
     }
 
+    /// Returns the module that takes this one back: parameters as they were before, or the model of the machine without
+    /// errors. Refusals: those of [`Self::of`].
+    pub fn restored(&self, machine: &Machine, target: &ControllerTarget) -> Result<Self, Diagnostic> {
+        match self {
+            Self::KinematicParameters(parameters) => Ok(Self::KinematicParameters(parameters.restored())),
+            _ => Ok(Self::of(&machine.filtered(|_| false), target, self.orientation())?.with_tool_of(machine)),
+        }
+    }
+
     /// The parameters of a controller's own transformation, if the module is that.
     pub fn parameters(&self) -> Option<&Parameters> {
         match self {

@@ -81,13 +81,13 @@ pub(super) fn programmed_block<'a>(machine: &Machine, vectors: bool, pose: &'a [
 }
 
 /// The tip of the nominal machine in the world: from where it is with all axes at 0, turning with the workpiece.
-fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
+pub(super) fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
     let nominal = NominalPose::at(machine, pose).pose.translation;
     nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
 }
 
 /// Returns a pose in the coordinates of a program.
-fn world(machine: &Machine, model: &ModuleModel, tip: &Vector3<f64>, pose: &[f64]) -> World {
+pub(super) fn world(machine: &Machine, model: &ModuleModel, tip: &Vector3<f64>, pose: &[f64]) -> World {
     let mut world = [0.0; 9];
     if model.words != ModuleWords::Axes {
         world[..3].copy_from_slice(tip.as_slice());

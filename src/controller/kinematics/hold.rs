@@ -2,7 +2,7 @@
 //! linear in both.
 //!
 //! Gram matrices are inverted by `g(s) = 1 / (s + l^2(s))`, which is the inverse above a threshold and
-//! bounded and smooth below it: nothing jumps at a singular pose.
+//! bounded and smooth below it: commands are continuous at a singular pose, and steep beside it.
 
 use super::data::{ModuleModel, ModuleWords};
 use super::nominal::{BodyPlace, Setting};

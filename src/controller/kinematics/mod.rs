@@ -22,6 +22,7 @@ mod carry;
 mod constants;
 mod context;
 mod data;
+mod demand;
 mod driven;
 mod files;
 mod found_lines;
@@ -39,6 +40,7 @@ mod trials;
 
 pub use carry::KinematicsModule;
 pub use data::{CurveData, Form, ModuleJoint, ModuleModel, ModuleWords};
+pub use demand::TurnCommand;
 pub use driven::ModuleField;
 pub(crate) use found_lines::{FoundLine, found_lines};
 pub use parameters::Parameters;

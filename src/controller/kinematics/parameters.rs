@@ -86,6 +86,14 @@ impl Parameters {
         Self { before: installed, ..self }.with_values(rounded)
     }
 
+    /// The parameters that take these back: the numbers before, as far as the format holds their decimals. Beside them
+    /// stand these as the earlier ones.
+    #[must_use]
+    pub fn restored(&self) -> Self {
+        let values = self.rules.round(&self.before, self.increment);
+        Self { before: self.values.clone(), ..self.clone() }.with_values(values)
+    }
+
     /// The same parameters with other numbers, such as those read from a file.
     pub fn with_values(self, values: Vec<f64>) -> Self {
         let transformation = self.rules.transformation(&self.nominal, &self.effective(&values));

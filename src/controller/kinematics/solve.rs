@@ -71,7 +71,7 @@ impl ModuleModel {
     }
 
     /// Nominal inverse kinematics.
-    fn nominal(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn nominal(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
         let start = self.joints.iter().zip(joints).map(|(joint, q)| joint.letter.map_or(*q, |letter| world[letter]));
         let mut command: Vec<f64> = start.collect();
         let wanted = Vector3::new(world[0], world[1], world[2]) + self.tip(setting);

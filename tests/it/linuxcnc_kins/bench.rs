@@ -162,6 +162,13 @@ impl<'a> Bench<'a> {
         Ask { share, orientation: true, tool: rigid.offset.map(|x| -x), world, start }
     }
 
+    /// Returns the same with the word of an axis moved, the tip where it is on the part.
+    pub fn turned(&self, pose: &Pose, axis: usize, by: f64) -> Ask {
+        let mut ask = self.ask(pose, 1.0);
+        ask.world[self.coordinates[axis] as usize] += by;
+        ask
+    }
+
     /// Returns the command in the order of the walk.
     pub fn command(&self, answer: &Answer) -> Pose {
         self.joints.iter().map(|joint| answer.joints[*joint]).collect()
