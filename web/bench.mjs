@@ -68,8 +68,8 @@ async function wasm(variant) {
 class Sharer {
   worker = new Worker(new URL(import.meta.url));
 
-  ask = async (request, parts = []) => JSON.parse(await this.send({ ask: [JSON.stringify(request), parts] }, parts));
-  part = (request, ...part) => this.send({ part: [JSON.stringify(request), ...part] });
+  ask = async (request, _, parts = []) => JSON.parse(await this.send({ ask: [JSON.stringify(request), parts] }, parts));
+  part = (request, index, count) => this.send({ part: [JSON.stringify(request), index, count] });
 
   send(message, parts = []) {
     const answer = new Promise((resolve) => this.worker.once("message", resolve));
@@ -91,7 +91,7 @@ function shared() {
   const both = [new Sharer(), new Sharer()];
   const ask = async (body) => {
     const request = JSON.parse(body);
-    return JSON.stringify(await (isDivisible(request) ? together(request, ...both) : both[0].ask(request)));
+    return JSON.stringify(await (isDivisible(request) ? together(request, both) : both[0].ask(request)));
   };
   return { ask, end: () => both.forEach(({ worker }) => worker.terminate()) };
 }

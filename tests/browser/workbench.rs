@@ -336,7 +336,26 @@ pub fn axes() {
     assert!(original.contains("EC0A:") && !saved.contains("EC0A:") && !saved.contains("\n  A:"), "{saved}");
     assert!(saved.contains("EC0C:") || saved.contains("EX0C:"), "{saved}");
     bench.agrees();
+    form(&bench);
     bench.quiet();
+}
+
+/// A field of the form writes into its own line, and shows what the text says afterwards.
+fn form(bench: &Bench) {
+    let before = bench.on_disk();
+    let field = "const field = document.getElementById('form-axes-X-travel');";
+    let _ = bench.browser.run("document.getElementById('forms').open = true;");
+    wait(&bench.browser, &format!("{field} return field?.value === '[0 mm, 500 mm]';"));
+    let write = "field.value = '[0 mm, 400 mm]'; field.dispatchEvent(new Event('change'));";
+    let _ = bench.browser.run(&format!("{field} {write}"));
+    bench.settled();
+    let saved = bench.save();
+    let (line, new) = changed(&before, &saved).remove(0);
+    assert_eq!((changed(&before, &saved).len(), line.replace("500", "400")), (1, new));
+    bench.agrees();
+    let undo = "[...document.querySelectorAll('#actions button')].find((b) => b.textContent === 'Undo').click();";
+    let _ = bench.browser.run(undo);
+    wait(&bench.browser, &format!("{field} return field.value === '[0 mm, 500 mm]';"));
 }
 
 /// A body of the picture is taken and drawn: its axis moves, and the readout is that of the pose.

@@ -6,6 +6,7 @@ import { type Change, chainEdit } from "./editor/chain";
 import type { Schema } from "./editor/complete";
 import { inWords, range as placeRange, show as showMarks } from "./editor/diagnostics";
 import { Editor } from "./editor/editor";
+import { Forms } from "./editor/forms";
 import { numbers } from "./editor/numbers";
 import { showQuestions } from "./editor/questions";
 import { WhatIf } from "./editor/whatif";
@@ -70,6 +71,7 @@ class Workbench {
   private readonly nonce = document.querySelector("style")?.nonce ?? "";
   private readonly editor: Editor;
   private readonly whatif: WhatIf;
+  private readonly forms: Forms;
   private readonly session: Session;
   private readonly stage = standing((axis, position, rests) => this.sliders.drag(axis, position, rests));
   private readonly deviation: Deviation;
@@ -146,6 +148,7 @@ class Workbench {
     });
     new Pane(byId("file"), (does) => this.editor.wrap(does));
     this.whatif = new WhatIf(byId("whatif"), this.editor);
+    this.forms = new Forms(byId("fields"), this.editor);
     this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
     this.looks = new Looks(this.session, this.problems, (surfaces) => {
       this.stage?.dress(surfaces);
@@ -404,6 +407,7 @@ class Workbench {
     const { chain } = now;
     if (!effort.draft || chain !== this.shown) this.takeChain(now, stale);
     this.whatif.know(now.numbers);
+    if (!effort.draft) this.forms.follow(chain, now.words, now.sources);
     try {
       this.stage?.hold(effort.draft);
       this.stage?.show(chain, this.tools.chosen, this.sliders.pose);

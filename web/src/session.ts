@@ -1,7 +1,7 @@
 /** What the page knows of the machine: answers to its text as it is now and as it was kept last. */
 
 import type { Answers, MachineDialogue } from "./editor/questions";
-import { Newest } from "./evaluator/newest";
+import { Abandoned, Newest } from "./evaluator/newest";
 import {
   accepted,
   type Chain,
@@ -121,8 +121,12 @@ export class Session {
   private busy = false;
   /** What was shown last. */
   private state: State | null = null;
-  /** Number of the drag: what is answered of an earlier one is not shown. */
-  private drag = 0;
+  /** Ends what was asked while a slider was held, and what was asked at rest. */
+  private drag = new AbortController();
+  private still = new AbortController();
+  private isHeld = false;
+  /** Who waits for the figures to stand. */
+  private readonly waiting: (() => void)[] = [];
   private readonly following: Newest;
 
   constructor(
@@ -164,15 +168,41 @@ export class Session {
   /** The text is another one; `draft` while a slider is held, which may keep the chain. */
   change(text: string, draft: boolean, keepsChain = false): void {
     this.text = text;
-    if (!draft) this.drag += 1;
+    this.isHeld = draft;
+    this.still.abort();
+    this.still = new AbortController();
+    if (!draft) {
+      this.drag.abort();
+      this.drag = new AbortController();
+    }
     this.wish = this.effort(draft, keepsChain);
     void this.work();
   }
 
   /** Asks about the text as it is now, or about another one; `more` are further files by name. */
-  async ask(questions: Question[], more: Record<string, string> = {}, text = this.text): Promise<unknown[]> {
+  async ask(
+    questions: Question[],
+    more: Record<string, string> = {},
+    text = this.text,
+    signal?: AbortSignal,
+  ): Promise<unknown[]> {
     const request = this.request(text, questions);
-    return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } })).answers;
+    return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } }, signal)).answers;
+  }
+
+  /** Asks what takes long, of the text at rest: a change of it ends the question as `Abandoned`. */
+  async askAtRest(questions: Question[], more: Record<string, string> = {}): Promise<unknown[]> {
+    const { signal } = this.still;
+    // Another text is on its way.
+    if (this.wish) throw new Abandoned(this.rest());
+    return this.ask(questions, more, this.text, signal).catch((failure: unknown) => {
+      throw signal.aborted ? new Abandoned(this.rest()) : failure;
+    });
+  }
+
+  private rest(): Promise<void> {
+    if (!this.busy && !this.isHeld) return Promise.resolve();
+    return new Promise((done) => this.waiting.push(done));
   }
 
   /** The questions that answers lead to, whatever the text is. */
@@ -226,39 +256,50 @@ export class Session {
     }
     this.busy = false;
     this.working(false);
+    if (!this.isHeld) this.waiting.splice(0).forEach((done) => done());
   }
 
   private fail(failure: unknown): void {
     this.failed(failure instanceof Error ? failure.message : String(failure));
   }
 
+  /** A turn at rest ends with a change of the text; one of a draft is shown however late it is. */
   private async turn(effort: Effort): Promise<void> {
+    const signal = effort.draft ? undefined : this.still.signal;
+    await this.figures(effort, signal).catch((failure: unknown) => {
+      if (!signal?.aborted) throw failure;
+    });
+  }
+
+  private async figures(effort: Effort, signal?: AbortSignal): Promise<void> {
     const text = this.text;
     this.wish = null;
     const held = effort.draft && this.now && isMeasured(this.now) ? this.now : null;
-    const { diagnostics, findings } = await (held ? this.held(text, effort, held) : this.findings(text, effort));
+    const { diagnostics, findings } = await (held
+      ? this.held(text, effort, held)
+      : this.findings(text, effort, signal));
     if (findings) this.now = { ...findings, sources: held ? (this.now?.sources ?? null) : findings.sources };
     if (findings && !effort.draft && text === this.kept) this.keptFindings.set(JSON.stringify(effort), findings);
-    const kept = await this.ofKept(effort);
+    const kept = await this.ofKept(effort, signal);
     this.state = { effort, diagnostics, now: this.now, kept, stale: !findings };
     this.show(this.state);
   }
 
-  private async ofKept(effort: Effort): Promise<Findings | null> {
+  private async ofKept(effort: Effort, signal?: AbortSignal): Promise<Findings | null> {
     // The figures of a draft that is not reduced are those of full effort.
     const of = effort.isReduced ? { ...effort, keepsChain: false } : this.effort(false);
     const key = JSON.stringify(of);
     const known = this.keptFindings.get(key);
     if (known !== undefined) return known;
-    const { findings } = await this.findings(this.kept, of);
+    const { findings } = await this.findings(this.kept, of, signal);
     this.keptFindings.set(key, findings);
     return findings;
   }
 
   /** Measured errors while a slider is held: the map at once; each error alone takes longer, and follows by itself. */
   private async held(text: string, effort: Effort, before: Findings): Promise<Answered> {
-    const { drag } = this;
-    void this.following.do(() => this.follow(text, effort, drag));
+    const { signal } = this.drag;
+    void this.following.do(() => this.follow(text, effort, signal));
     const questions = [this.map(effort), ...(effort.keepsChain ? [] : (["show"] as const))];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const map = accepted<VolumeMap>(answers[0]);
@@ -266,14 +307,17 @@ export class Session {
     return { diagnostics, findings: map && chain && { ...before, map, chain, refused: [] } };
   }
 
-  private async follow(text: string, effort: Effort, drag: number): Promise<void> {
+  private async follow(text: string, effort: Effort, signal: AbortSignal): Promise<void> {
     // Let go before its turn: the figures of the whole are on their way.
-    if (this.drag !== drag) return;
+    if (signal.aborted) return;
     const start = performance.now();
-    const [answer] = await this.ask([this.sources(effort)], {}, text);
+    const [answer] = await this.ask([this.sources(effort)], {}, text, signal).catch((failure: unknown) => {
+      if (signal.aborted) return [];
+      throw failure;
+    });
     const took = performance.now() - start;
     const sources = accepted<Sources>(answer);
-    if (sources && this.drag === drag) this.learn(sources);
+    if (sources && !signal.aborted) this.learn(sources);
     await new Promise((resolve) => setTimeout(resolve, took * BREAK));
   }
 
@@ -293,7 +337,7 @@ export class Session {
     return { sources: { ...this.settings.sources, poses: Math.min(poses, MOST_SOURCE_POSES) } };
   }
 
-  private async findings(text: string, effort: Effort): Promise<Answered> {
+  private async findings(text: string, effort: Effort, signal?: AbortSignal): Promise<Answered> {
     // A slider changes no name.
     const names = effort.draft ? this.now : null;
     const questions: Question[] = [
@@ -303,7 +347,7 @@ export class Session {
       this.sources(effort),
       ...(names ? [] : (["words", "numbers"] as const)),
     ];
-    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
+    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions), signal);
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
     const findings = {

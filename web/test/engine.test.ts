@@ -134,7 +134,7 @@ class Sharer implements Sharing {
 
   constructor(private readonly engine: Engine) {}
 
-  async ask(request: Request, parts: Uint8Array[] = []): Promise<Reply> {
+  async ask(request: Request, _?: AbortSignal, parts: Uint8Array[] = []): Promise<Reply> {
     this.done.push(request.questions.map(kindOf).join());
     return JSON.parse(this.engine.ask(JSON.stringify(request), parts)) as Reply;
   }
@@ -165,7 +165,7 @@ test("two engines share a request and answer as one", { skip }, async () => {
       const request = { machine: "trunnion.yaml", texts: {}, questions };
       const [one, other] = [new Sharer(await started(variant)), new Sharer(await started(variant))];
       assert.ok(isDivisible(request));
-      const shared = await together(request, one, other);
+      const shared = await together(request, [one, other]);
       assert.deepEqual([one.done, other.done], [first, second]);
       assert.deepEqual(shared, JSON.parse(alone.ask(JSON.stringify(request))));
     }
@@ -182,7 +182,7 @@ test("what two engines share may be refused or of bounds", { skip }, async () =>
   for (const text of texts)
     for (const questions of [[map], [map, budget]]) {
       const request: Request = { machine: "m.yaml", texts: { "m.yaml": text }, questions };
-      const shared = await together(request, new Sharer(one), new Sharer(other));
+      const shared = await together(request, [new Sharer(one), new Sharer(other)]);
       assert.deepEqual(shared, JSON.parse(alone.ask(JSON.stringify(request))));
     }
   const kept: Question[][] = [[], ["show"], [{ map: { poses: { random: 49_999 } } }], [{ budget: {} }], [map, "show"]];

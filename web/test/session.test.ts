@@ -1,8 +1,10 @@
-/** While a slider is held: the map at once, each error alone as soon as it is there, and nothing of an earlier drag. */
+/** While a slider is held: the map at once, each error alone as soon as it is there, and nothing of an earlier drag.
+ * What a change makes stale is asked no longer. */
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { kindOf } from "../src/evaluator/division";
+import { Newest } from "../src/evaluator/newest";
 import type { Reply, Request } from "../src/evaluator/types";
 import { Session, type State } from "../src/session";
 
@@ -10,17 +12,28 @@ import { Session, type State } from "../src/session";
 class Machine {
   readonly asked: string[] = [];
   hold = false;
+  /** Questions that nobody waits for any more. */
+  readonly ended: string[] = [];
   private readonly held: (() => void)[] = [];
 
-  async ask({ questions, texts }: Request): Promise<Reply> {
+  async ask({ questions, texts }: Request, signal?: AbortSignal): Promise<Reply> {
     const kinds = questions.map(kindOf);
-    this.asked.push(kinds.join());
-    if (this.hold && kinds.includes("sources")) await new Promise<void>((done) => this.held.push(done));
     const of = texts["m.yaml"] ?? "";
+    this.asked.push(kinds.join());
+    const isLong = kinds.includes("sources") || kinds.includes("reach");
+    if (this.hold && isLong)
+      await new Promise<void>((done, fail) => {
+        this.held.push(done);
+        signal?.addEventListener("abort", () => {
+          this.ended.push(`${kinds.join()} of ${of}`);
+          fail(signal.reason as Error);
+        });
+      });
     const p95 = Number(of);
     const answers: Record<string, unknown> = {
       show: { chain: of },
       map: { position_um: { p95 } },
+      reach: of,
       sources: { at: {}, errors: [{ error: of }] },
     };
     return { diagnostics: [], answers: kinds.map((kind) => answers[kind] ?? { refused: true, diagnostics: [] }) };
@@ -33,8 +46,7 @@ class Machine {
 
 const rest = () => new Promise((done) => setTimeout(done, 5));
 
-test("a held slider asks for the map alone, and shows each error alone when it comes", async () => {
-  const machine = new Machine();
+function sessionOf(machine: Machine) {
   const shown: State[] = [];
   const failures: string[] = [];
   const session = new Session(
@@ -43,6 +55,12 @@ test("a held slider asks for the map alone, and shows each error alone when it c
     (failure) => failures.push(failure),
     () => {},
   );
+  return { session, shown, failures };
+}
+
+test("a held slider asks for the map alone, and shows each error alone when it comes", async () => {
+  const machine = new Machine();
+  const { session, shown, failures } = sessionOf(machine);
   const last = () => {
     const { now, effort } = shown[shown.length - 1] ?? {};
     return [now?.map?.position_um.p95, now?.sources?.errors[0]?.error, effort?.draft];
@@ -72,5 +90,57 @@ test("a held slider asks for the map alone, and shows each error alone when it c
   machine.release();
   await rest();
   assert.deepEqual(last(), [4, "4", false]);
+  assert.deepEqual(failures, []);
+});
+
+test("a question at rest ends with a change, and is asked again when the figures stand", async () => {
+  const machine = new Machine();
+  const { session, failures } = sessionOf(machine);
+  session.open("m.yaml", "1");
+  await rest();
+  machine.hold = true;
+  const reached: unknown[] = [];
+  const asking = new Newest((failure) => failures.push(String(failure)));
+  void asking.do(async () => void reached.push((await session.askAtRest([{ reach: {} }]))[0]));
+  await rest();
+  assert.deepEqual([machine.asked.at(-1), reached], ["reach", []]);
+  session.change("2", true, true);
+  await rest();
+  assert.ok(machine.ended.includes("reach of 1"), machine.ended.join());
+  session.change("3", true, true);
+  await rest();
+  assert.equal(machine.asked.filter((of) => of === "reach").length, 1);
+  machine.hold = false;
+  session.change("4", false);
+  await rest();
+  assert.deepEqual([reached, machine.asked.at(-1)], [["4"], "reach"]);
+  assert.deepEqual(failures, []);
+});
+
+test("of what is wished after an ended question only the newest is done", async () => {
+  const machine = new Machine();
+  const { session, shown, failures } = sessionOf(machine);
+  session.open("m.yaml", "1");
+  await rest();
+  machine.hold = true;
+  const done: string[] = [];
+  const asking = new Newest((failure) => failures.push(String(failure)));
+  const wish = (name: string) =>
+    asking.do(async () => void (await session.askAtRest([{ reach: {} }]), done.push(name)));
+  void wish("first");
+  await rest();
+  session.change("2", false);
+  await rest();
+  void wish("second");
+  // The figures of "2" are asked no longer either, and never shown.
+  session.change("3", false);
+  machine.hold = false;
+  await rest();
+  assert.deepEqual(machine.ended, ["reach of 1", "show,map,budget,sources,words,numbers of 2"]);
+  assert.deepEqual(done, ["second"]);
+  assert.deepEqual(
+    shown.map(({ now }) => now?.chain.chain),
+    ["1", "3"],
+  );
   assert.deepEqual(failures, []);
 });

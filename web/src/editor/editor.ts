@@ -83,7 +83,7 @@ export class Editor {
   constructor(
     parent: HTMLElement,
     nonce: string,
-    private readonly isReadOnly: boolean,
+    readonly isReadOnly: boolean,
     private readonly listener: Listener,
   ) {
     this.view = new EditorView({ parent, state: this.state("", nonce) });

@@ -4,8 +4,8 @@ import type { Question, Reply, Request } from "./types";
 
 /** What an engine does of a request. */
 export interface Sharing {
-  ask(request: Request, parts?: Uint8Array<ArrayBuffer>[]): Promise<Reply>;
-  part(request: Request, index: number, count: number): Promise<Uint8Array<ArrayBuffer>>;
+  ask(request: Request, signal?: AbortSignal, parts?: Uint8Array<ArrayBuffer>[]): Promise<Reply>;
+  part(request: Request, index: number, count: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
 }
 
 /** They take as long as the map and all else: the sources where errors are measured, the budget where they are not. */
@@ -30,20 +30,20 @@ export function isDivisible({ questions }: Request): boolean {
 }
 
 /** Answers a request that is divisible, to the bit as one engine does. */
-export function together(request: Request, first: Sharing, second: Sharing): Promise<Reply> {
-  return hasLargeMap(request.questions) ? inParts(request, first, second) : apart(request, first, second);
+export function together(request: Request, engines: [Sharing, Sharing], signal?: AbortSignal): Promise<Reply> {
+  return (hasLargeMap(request.questions) ? inParts : apart)(request, engines, signal);
 }
 
-async function inParts(request: Request, first: Sharing, second: Sharing): Promise<Reply> {
-  const parts = await Promise.all([first, second].map((engine, index) => engine.part(request, index, 2)));
-  return first.ask(request, parts);
+async function inParts(request: Request, engines: [Sharing, Sharing], signal?: AbortSignal): Promise<Reply> {
+  const parts = await Promise.all(engines.map((engine, index) => engine.part(request, index, 2, signal)));
+  return engines[0].ask(request, signal, parts);
 }
 
-async function apart(request: Request, first: Sharing, second: Sharing): Promise<Reply> {
+async function apart(request: Request, [first, second]: [Sharing, Sharing], signal?: AbortSignal): Promise<Reply> {
   const { questions } = request;
   const [own, other] = await Promise.all([
-    first.ask({ ...request, questions: questions.filter((of) => !isApart(of)) }),
-    second.ask({ ...request, questions: questions.filter(isApart) }),
+    first.ask({ ...request, questions: questions.filter((of) => !isApart(of)) }, signal),
+    second.ask({ ...request, questions: questions.filter(isApart) }, signal),
   ]);
   // A refused machine has no answers.
   if (own.answers.length === 0) return own;

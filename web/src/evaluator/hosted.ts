@@ -5,8 +5,11 @@ import type { Evaluator, Reply, Request } from "./types";
 import type { Asked, FromWorker, ToWorker } from "./worker";
 import EngineWorker from "./worker?worker&inline";
 
+/** A question of an engine, until it is answered. */
 interface Waiting {
+  id: number;
   kind: string;
+  asked: Asked;
   resolve: (message: FromWorker) => void;
   reject: (failure: Error) => void;
 }
@@ -27,10 +30,10 @@ export class Hosted implements Evaluator {
     private readonly files: Record<string, string>,
   ) {}
 
-  ask(request: Request): Promise<Reply> {
+  ask(request: Request, signal?: AbortSignal): Promise<Reply> {
     const first = this.free() ?? this.soonest();
     const second = first.load === 0 && isDivisible(request) ? this.free(first) : null;
-    return second ? together(request, first, second) : first.ask(request);
+    return second ? together(request, [first, second], signal) : first.ask(request, signal);
   }
 
   /** Returns an engine that does nothing, besides another one; starts it if need be. */
@@ -50,7 +53,8 @@ export class Hosted implements Evaluator {
 
 /** An engine in a worker. */
 class HostedEngine {
-  private readonly waiting = new Map<number, Waiting>();
+  /** The worker has the first of them. */
+  private readonly waiting: Waiting[] = [];
   private worker: Worker;
   private last = 0;
 
@@ -64,28 +68,53 @@ class HostedEngine {
 
   /** What the requests without an answer will take, ms. */
   get load(): number {
-    return [...this.waiting.values()].reduce((sum, { kind }) => sum + (this.times.get(kind) ?? UNKNOWN), 0);
+    return this.waiting.reduce((sum, { kind }) => sum + (this.times.get(kind) ?? UNKNOWN), 0);
   }
 
-  async ask(request: Request, parts: Uint8Array<ArrayBuffer>[] = []): Promise<Reply> {
+  async ask(request: Request, signal?: AbortSignal, parts: Uint8Array<ArrayBuffer>[] = []): Promise<Reply> {
     const kind = request.questions.map(kindOf).join();
-    const message = await this.send(kind, { request: JSON.stringify(request), parts });
+    const message = await this.send(kind, { request: JSON.stringify(request), parts }, signal);
     if (!("reply" in message)) throw new Error("the engine answered another question");
     this.times.set(kind, Math.max(message.ms, 1));
     return JSON.parse(message.reply) as Reply;
   }
 
-  async part(request: Request, index: number, count: number): Promise<Uint8Array<ArrayBuffer>> {
-    const message = await this.send("part", { request: JSON.stringify(request), part: [index, count] });
+  async part(request: Request, index: number, count: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+    const message = await this.send("part", { request: JSON.stringify(request), part: [index, count] }, signal);
     if (!("bytes" in message)) throw new Error("the engine answered another question");
     return message.bytes;
   }
 
-  private send(kind: string, asked: Asked): Promise<FromWorker> {
-    const id = ++this.last;
+  private send(kind: string, asked: Asked, signal?: AbortSignal): Promise<FromWorker> {
+    signal?.throwIfAborted();
+    return new Promise((resolve, reject) => {
+      const waiting = { id: ++this.last, kind, asked, resolve, reject };
+      signal?.addEventListener("abort", () => this.abandon(waiting, signal), { once: true });
+      if (this.waiting.push(waiting) === 1) this.next();
+    });
+  }
+
+  private next(): void {
+    const [first] = this.waiting;
+    if (!first) return;
+    const { id, asked } = first;
     const transfer = "parts" in asked ? asked.parts.map((part) => part.buffer) : [];
     this.worker.postMessage({ id, ...asked } satisfies ToWorker, transfer);
-    return new Promise((resolve, reject) => this.waiting.set(id, { kind, resolve, reject }));
+  }
+
+  /** Nobody waits for the answer: a call that runs ends with its worker. */
+  private abandon(waiting: Waiting, signal: AbortSignal): void {
+    const place = this.waiting.indexOf(waiting);
+    if (place < 0) return;
+    this.waiting.splice(place, 1);
+    waiting.reject(signal.reason as Error);
+    if (place === 0) this.restart();
+  }
+
+  private restart(): void {
+    this.worker.terminate();
+    this.worker = this.started();
+    this.next();
   }
 
   private started(): Worker {
@@ -96,14 +125,16 @@ class HostedEngine {
   }
 
   private receive(message: FromWorker): void {
-    const waiting = this.waiting.get(message.id);
-    this.waiting.delete(message.id);
-    if (!("failure" in message)) return waiting?.resolve(message);
-    waiting?.reject(new Error(`the engine stopped (${message.failure}); it was started anew`));
+    const [first] = this.waiting;
+    // The last word of a worker that was ended.
+    if (first?.id !== message.id) return;
+    this.waiting.shift();
+    if (!("failure" in message)) {
+      first.resolve(message);
+      return this.next();
+    }
+    first.reject(new Error(`the engine stopped (${message.failure}); it was started anew`));
     // A trap leaves the engine's memory as it was in the middle of a call.
-    this.worker.terminate();
-    this.waiting.forEach((other) => other.reject(new Error("the engine was started anew")));
-    this.waiting.clear();
-    this.worker = this.started();
+    this.restart();
   }
 }

@@ -1,3 +1,10 @@
+/** A question that a change of the text has ended; `rest` comes when the figures stand again. */
+export class Abandoned extends Error {
+  constructor(readonly rest: Promise<void>) {
+    super("the text has changed");
+  }
+}
+
 /** One thing at a time: while it is done, only the last of the wishes is remembered. */
 export class Newest {
   private wish: (() => Promise<void>) | null = null;
@@ -24,11 +31,21 @@ export class Newest {
       this.waits(
         !(await next().then(
           () => true,
-          (failure) => (this.failed(failure), false),
+          (failure: unknown) => this.ended(failure, next),
         )),
       );
     }
     this.busy = false;
+  }
+
+  /** What a change has ended is done again at rest, unless something newer is wished by then. */
+  private async ended(failure: unknown, work: () => Promise<void>): Promise<boolean> {
+    if (!(failure instanceof Abandoned)) this.failed(failure);
+    else {
+      await failure.rest;
+      this.wish ??= work;
+    }
+    return false;
   }
 
   private waits(does: boolean): void {

@@ -35,8 +35,8 @@ export class Playground implements Evaluator, Store {
     return this.examples.machines;
   }
 
-  ask(request: Request): Promise<Reply> {
-    return this.engine.ask(request);
+  ask(request: Request, signal?: AbortSignal): Promise<Reply> {
+    return this.engine.ask(request, signal);
   }
 
   open(): Promise<OpenFile> {

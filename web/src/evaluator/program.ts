@@ -32,8 +32,8 @@ export class Program implements Evaluator, Store {
     window.addEventListener("hashchange", ({ oldURL }) => (this.token = token(oldURL)));
   }
 
-  ask(request: Request): Promise<Reply> {
-    return this.post<Reply>("ask", request);
+  ask(request: Request, signal?: AbortSignal): Promise<Reply> {
+    return this.post<Reply>("ask", request, signal);
   }
 
   open(): Promise<OpenFile> {
@@ -48,9 +48,12 @@ export class Program implements Evaluator, Store {
     await this.post("save", { text, before });
   }
 
-  private async post<T>(path: string, body: unknown): Promise<T> {
+  /** The program ends a computation whose reader has left. */
+  private async post<T>(path: string, body: unknown, signal?: AbortSignal): Promise<T> {
     const headers = { "content-type": "application/json", "x-abbe-token": this.token };
-    const response = await fetch(`/${path}`, { method: "POST", headers, body: JSON.stringify(body) }).catch(() => {
+    const question = { method: "POST", headers, body: JSON.stringify(body), signal: signal ?? null };
+    const response = await fetch(`/${path}`, question).catch(() => {
+      signal?.throwIfAborted();
       throw new Error("the program does not answer: start `abbe workbench` again");
     });
     if (response.ok) return (await response.json()) as T;

@@ -93,12 +93,12 @@ export class Report implements Evaluator, Store {
     return Promise.resolve();
   }
 
-  async ask(request: Request): Promise<Reply> {
+  async ask(request: Request, signal?: AbortSignal): Promise<Reply> {
     const known = this.known(request);
     if (known && known.every((answer) => answer !== undefined)) return { diagnostics: [], answers: known };
     this.engine ??= this.load();
     const engine = await this.engine;
-    if (engine) return engine.ask(request);
+    if (engine) return engine.ask(request, signal);
     if (!known) throw new Error(NONE);
     return { diagnostics: [], answers: known.map((answer) => answer ?? refusal()) };
   }

@@ -75,7 +75,8 @@ export interface Request {
 
 /** Answers questions: by the local program, or by the library in a worker. */
 export interface Evaluator {
-  ask(request: Request): Promise<Reply>;
+  /** Rejects once `signal` is aborted; then the question costs nothing any more. */
+  ask(request: Request, signal?: AbortSignal): Promise<Reply>;
 }
 
 /** Further options of a verb. */

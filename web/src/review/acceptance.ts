@@ -39,7 +39,7 @@ export class Acceptance {
       const tests = (["ball_bar", "r_test", "diagonals"] as const).map((instrument) => ({
         instrument: { instrument },
       }));
-      const [bar, turn, lines] = await this.session.ask(tests);
+      const [bar, turn, lines] = await this.session.askAtRest(tests);
       if (bar === undefined) return;
       this.tell("test", readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
       const sections = [

@@ -1,6 +1,6 @@
 /** What a control can repair: the machine with the files that `compile` would write for it, and without. */
 
-import { Newest } from "../evaluator/newest";
+import { Abandoned, Newest } from "../evaluator/newest";
 import {
   accepted,
   type Over,
@@ -77,7 +77,7 @@ export class Control {
       const target = this.targets.find((of) => of.target === name);
       if (!target) return this.nothing(turn);
       if (this.isBounded) return this.inKind(target);
-      const [answer] = await this.session.ask([corrected(name)]);
+      const [answer] = await this.session.askAtRest([corrected(name)]);
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
       this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
@@ -117,7 +117,12 @@ export class Control {
     // Lattices for other programs are no control.
     for (const target of this.targets.filter((of) => !of.target.startsWith("grid-"))) {
       if (turn !== this.turn) return;
-      const [answer] = await this.session.ask([corrected(target.target)]).catch(() => []);
+      const answers = await this.session
+        .askAtRest([corrected(target.target)])
+        .catch((failure: unknown) => (failure instanceof Abandoned ? null : []));
+      // All are tried again at rest.
+      if (!answers) return;
+      const [answer] = answers;
       const found = accepted<Compensated>(answer);
       if (turn !== this.turn) return;
       if (found) left.push({ target, found });

@@ -201,7 +201,7 @@ export class Part {
     this.places.replaceChildren();
     void this.asking.do(async () => {
       const { samples, map } = this.session.settings;
-      const [answer] = await this.session.ask([{ work: { ...asked, samples, map } }], more);
+      const [answer] = await this.session.askAtRest([{ work: { ...asked, samples, map } }], more);
       if (answer === undefined) return;
       const work = accepted<Work>(answer);
       const isMissing = !work && (answer as Refusal | null)?.diagnostics?.[0]?.code === NO_FILE;
@@ -219,7 +219,7 @@ export class Part {
     if (!work) return;
     void this.asking.do(async () => {
       const question = { place: { ...work.asked, ranges: this.ranges.value, figure: true } };
-      const [answer] = await this.session.ask([question], work.more);
+      const [answer] = await this.session.askAtRest([question], work.more);
       const tried = accepted<PlacedPart>(answer);
       const refused = answer === undefined ? [] : (answer as Refusal).diagnostics;
       const say = ({ message }: { message: string }) => make("p", { class: "refused" }, message);

@@ -31,7 +31,9 @@ export class ReachLine {
   }
 
   private async ask(): Promise<void> {
-    const [answer] = await this.session.ask([{ reach: {} }]);
+    const [answer] = await this.session.askAtRest([{ reach: {} }]);
+    // The text is refused.
+    if (answer === undefined) return void (this.asked = "");
     const reach = accepted<Reach>(answer);
     this.parent.replaceChildren(...(reach ? shown(reach) : []));
   }

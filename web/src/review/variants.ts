@@ -131,7 +131,7 @@ export class Variants {
       const [first = "", ...more] = files;
       const texts = Object.fromEntries(this.list.map(({ text }, i) => [files[i] ?? "", text]));
       const options = this.session.settings.compare;
-      const [answer] = await this.session.ask([{ compare: { first, more, options } }], texts);
+      const [answer] = await this.session.askAtRest([{ compare: { first, more, options } }], texts);
       const found = accepted<Comparison>(answer);
       if (answer === undefined) return;
       const names = [...this.list.map(({ name }) => name), "now"];

@@ -48,7 +48,7 @@ export class Chips {
     const choice = make(
       "select",
       { class: "axes-choice", "aria-label": "Add or remove an axis", title: "Add or remove an axis" },
-      make("option", { value: "" }, "±"),
+      make("option", { value: "" }, "Add or remove…"),
       make(
         "optgroup",
         { label: "Add, next to the tool" },
