@@ -2,8 +2,10 @@
 //! the pole along the tool axis and around it.
 //!
 //! Every move is checked against balls, their stems and the travel, wherever within their uncertainty the balls are.
+//! From set to set the probe retracts as far as it must, at most to where it stands at rest: a set that is clear by
+//! itself is so in any order, and what can be touched is one question for a plan and for a program.
 
-use super::{Miss, place};
+use super::{Miss, place, rest};
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
@@ -16,12 +18,13 @@ const STANDOFF: f64 = 2.0;
 const REST_LENGTH: f64 = 300.0;
 /// Step (mm, deg) at which moves are looked at.
 const STEP: f64 = 0.25;
-/// Heights (mm) above the balls that are tried for the way from set to set.
+/// Heights (mm) above the balls that are tried for the way from set to set, the last that is in reach for the rest.
 const LIFTS: [f64; 6] = [0.0, 20.0, 50.0, 100.0, 150.0, 200.0];
 /// Touches around a ball.
 pub const AROUND: usize = 7;
-/// Angle (deg) by which they turn from set to set.
+/// Angle (deg) by which they turn from set to set, and number of turns until they are where they were.
 const TURN: f64 = 30.0;
+const TURNS: usize = 12;
 
 /// The stylus and the body of the probe that holds it, mm.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -102,11 +105,29 @@ pub struct RouteTouch {
     pub target: Pose,
 }
 
+/// The way of a probe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TouchRoute {
+    /// Where it begins: high above all balls, rotary axes at 0 or nearest to it.
+    pub rest: Pose,
+    pub sets: Vec<RouteSet>,
+}
+
+/// A place on the way from set to set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassedPose {
+    pub at: Pose,
+    /// Displacement of the linear axes (mm) that moves the tip by 1 mm out along the tool axis.
+    pub out: Vector3<f64>,
+}
+
 /// The way around a ball in a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RouteSet {
     /// Index of the ball.
     pub ball: usize,
+    /// The way to `top` from that of the set before, or from the rest; it ends with `top`.
+    pub way: Vec<PassedPose>,
     /// Above all balls along the tool axis, where the set begins and ends.
     pub top: Pose,
     /// The ball: axes with the stylus in its middle.
@@ -130,15 +151,28 @@ pub enum RouteFailure {
     OutOfReach(usize, Box<Miss>),
     /// A move of this set comes too near: what it would meet, and the distance (mm) that is left.
     Blocked(usize, &'static str, f64),
-    /// The way to this set does.
-    Between(usize),
+    /// The way to this set from the rest does.
+    Way(usize),
+    /// The axes do not reach above all balls, or the probe is not clear of them there.
+    Rest,
 }
 
-/// Balls, probe and machine.
-struct Scene<'a> {
+/// Balls, probe and machine: what can be touched, and how the probe gets there.
+#[derive(Debug, Clone)]
+pub struct TouchScene<'a> {
     machine: &'a Machine,
     balls: &'a ProbedBalls,
     stylus: Stylus,
+    rest: Pose,
+}
+
+/// A set, and how the probe gets to it from the rest.
+struct Approached {
+    set: RouteSet,
+    /// Above its top, as high as it must be.
+    high: Pose,
+    /// Between the rest and there.
+    from_rest: Vec<Pose>,
 }
 
 /// The ways in which a move may meet the ball of its set.
@@ -159,47 +193,118 @@ struct Held {
     axis: Vector3<f64>,
 }
 
-/// Returns the way through sets, each a ball and a pose whose rotary axes count, in this order.
-pub fn touch_route(
-    machine: &Machine,
-    balls: &ProbedBalls,
-    stylus: Stylus,
-    sets: &[(usize, Pose)],
-) -> Result<Vec<RouteSet>, RouteFailure> {
-    let scene = Scene { machine, balls, stylus };
-    let mut route: Vec<RouteSet> = Vec::new();
-    for (number, (ball, pose)) in sets.iter().enumerate() {
-        route.push(scene.set(number, *ball, pose)?);
+impl<'a> TouchScene<'a> {
+    /// Returns the scene with its rest, as high above all balls as the axes go; fails if there is none.
+    pub fn of(machine: &'a Machine, balls: &'a ProbedBalls, stylus: Stylus) -> Result<Self, RouteFailure> {
+        let mut scene = Self { machine, balls, stylus, rest: rest(machine) };
+        let middle = balls.centres.iter().sum::<Vector3<f64>>() / balls.centres.len().max(1) as f64;
+        let axis = scene.held(&scene.rest).axis;
+        let height = scene.height(&middle, &axis);
+        let at = |lift: &f64| place(machine, &(middle + axis * (height + lift)), &scene.rest).ok();
+        let found = LIFTS.iter().rev().filter_map(at).find(|pose| scene.is_clear(&[pose.clone(), pose.clone()]));
+        scene.rest = found.ok_or(RouteFailure::Rest)?;
+        Ok(scene)
     }
-    let tops: Vec<Pose> = route.iter().map(|set| set.top.clone()).collect();
-    let lifted =
-        |lift: f64| -> Vec<Pose> { route.iter().zip(&tops).map(|(set, top)| scene.lift(set, top, lift)).collect() };
-    let mut blocked = 0;
-    for tops in LIFTS.map(lifted) {
-        let between = (1..tops.len()).find(|to| scene.nearest(&tops[to - 1], &tops[*to], Own::Clear).1 < 0.0);
-        let Some(to) = between else {
-            route.iter_mut().zip(tops).for_each(|(set, top)| set.top = top);
-            return Ok(route);
+
+    /// Returns the way through sets, each a ball and a pose whose rotary axes count, in this order.
+    pub fn route(&self, sets: &[(usize, Pose)]) -> Result<TouchRoute, RouteFailure> {
+        let mut before: Option<Approached> = None;
+        let mut route = Vec::new();
+        for (number, (ball, pose)) in sets.iter().enumerate() {
+            let mut next = self.approached(number, *ball, pose)?;
+            let way = match &before {
+                None => next.from_rest.clone(),
+                Some(before) => self.between(before, &next),
+            };
+            let ends = [next.high.clone(), next.set.top.clone()];
+            let mut way: Vec<Pose> = way.into_iter().chain(ends).collect();
+            way.dedup();
+            next.set.way = way.into_iter().map(|at| PassedPose { out: self.out(&at), at }).collect();
+            route.push(next.set.clone());
+            before = Some(next);
+        }
+        Ok(TouchRoute { rest: self.rest.clone(), sets: route })
+    }
+
+    /// Returns where the axes are with the stylus in the middle of a ball, in a pose whose rotary axes count; none if
+    /// the ball cannot be touched so.
+    pub fn touchable(&self, ball: usize, pose: &Pose) -> Option<Pose> {
+        self.approached(0, ball, pose).ok().map(|of| of.set.middle)
+    }
+
+    /// The set of a ball, turned on until it is clear, with a clear way from the rest.
+    fn approached(&self, number: usize, ball: usize, pose: &Pose) -> Result<Approached, RouteFailure> {
+        let mut turned = (0..TURNS).map(|turn| self.set(number, number + turn, ball, pose));
+        let first = turned.next().unwrap_or(Err(RouteFailure::Rest));
+        let set = match first {
+            // Another turn reaches no farther.
+            Err(RouteFailure::Blocked(..)) => turned.find_map(Result::ok).map_or(first, Ok)?,
+            other => other?,
         };
-        blocked = to;
+        for high in LIFTS.map(|lift| self.lift(&set, lift)) {
+            let is_clear = |via: &Vec<Pose>| {
+                let to = [high.clone(), set.top.clone()];
+                self.is_clear(&std::iter::once(&self.rest).chain(via).chain(&to).cloned().collect::<Vec<_>>())
+            };
+            let ways = [Vec::new(), vec![self.turned(&set)]];
+            if let Some(from_rest) = ways.into_iter().find(is_clear) {
+                return Ok(Approached { set, high, from_rest });
+            }
+        }
+        Err(RouteFailure::Way(number))
     }
-    Err(RouteFailure::Between(blocked))
-}
 
-/// Returns where the axes are with the stylus in the middle of a ball, in a pose whose rotary axes count; none if the
-/// ball cannot be touched so.
-pub fn touchable(machine: &Machine, balls: &ProbedBalls, stylus: Stylus, ball: usize, pose: &Pose) -> Option<Pose> {
-    Scene { machine, balls, stylus }.set(0, ball, pose).ok().map(|set| set.middle)
-}
+    /// The rest with the rotary axes of a set.
+    fn turned(&self, set: &RouteSet) -> Pose {
+        let at = |(i, q): (usize, &f64)| if follows(self.machine, i) { self.rest[i] } else { *q };
+        set.middle.iter().enumerate().map(at).collect()
+    }
 
-impl Scene<'_> {
+    /// The way from the top of a set to above that of another: the shortest that is clear.
+    fn between(&self, from: &Approached, to: &Approached) -> Vec<Pose> {
+        let retracted = vec![self.turned(&from.set), self.turned(&to.set)];
+        let is_clear = |via: &Vec<Pose>| {
+            let ends = (std::iter::once(&from.high), std::iter::once(&to.high));
+            self.is_clear(&ends.0.chain(via).chain(ends.1).cloned().collect::<Vec<_>>())
+        };
+        let over_rest = || -> Vec<Pose> {
+            let back = from.from_rest.iter().rev();
+            back.chain([&self.rest]).chain(&to.from_rest).cloned().collect()
+        };
+        let way = [Vec::new(), retracted].into_iter().find(is_clear).unwrap_or_else(over_rest);
+        let start = (from.high != from.set.top).then(|| from.high.clone());
+        start.into_iter().chain(way).collect()
+    }
+
+    /// The displacement of the linear axes for 1 mm of the tip along the tool axis; 0 where they are at both ends.
+    fn out(&self, at: &Pose) -> Vector3<f64> {
+        let held = self.held(at);
+        let moved = |way: f64| {
+            let to = place(self.machine, &(held.tip + held.axis * way), at).ok()?;
+            let steps: Vec<f64> = (0..at.len()).filter(|i| follows(self.machine, *i)).map(|i| to[i] - at[i]).collect();
+            Some(Vector3::from_fn(|k, _| steps.get(k).map_or(0.0, |step| step * way)))
+        };
+        moved(1.0).or_else(|| moved(-1.0)).unwrap_or_default()
+    }
+
+    fn is_clear(&self, way: &[Pose]) -> bool {
+        way.windows(2).all(|ends| self.nearest(&ends[0], &ends[1], Own::Clear).1 >= 0.0)
+    }
+
+    /// Height (mm) above a place along the tool axis at which the stylus is above all balls.
+    fn height(&self, place: &Vector3<f64>, axis: &Vector3<f64>) -> f64 {
+        let reach = self.balls.radius + self.stylus.radius;
+        let rise = |ball: &Vector3<f64>| axis.dot(&(ball - place)) + reach + 2.0 * self.balls.within + RESERVE;
+        self.balls.centres.iter().map(rise).fold(reach + self.balls.within + STANDOFF, f64::max)
+    }
+
     fn held(&self, pose: &[f64]) -> Held {
         let nominal = NominalPose::in_part(self.machine, pose).pose;
         Held { tip: nominal.translation, axis: nominal.linear * Vector3::from(self.machine.tool().direction) }
     }
 
-    /// The set of a ball.
-    fn set(&self, number: usize, ball: usize, pose: &Pose) -> Result<RouteSet, RouteFailure> {
+    /// The set of a ball, its touches turned by so many steps.
+    fn set(&self, number: usize, turn: usize, ball: usize, pose: &Pose) -> Result<RouteSet, RouteFailure> {
         let at = |tip: Vector3<f64>| {
             place(self.machine, &tip, pose).map_err(|miss| RouteFailure::OutOfReach(number, Box::new(miss)))
         };
@@ -213,8 +318,7 @@ impl Scene<'_> {
         let first = (first - axis * axis.dot(&first)).normalize();
         let frame = Matrix3::from_columns(&[first, axis.cross(&first), axis]);
         let (reach, off) = (self.balls.radius + self.stylus.radius, self.balls.within + STANDOFF);
-        let rise = |other: &Vector3<f64>| axis.dot(&(other - centre)) + reach + 2.0 * self.balls.within + RESERVE;
-        let height = self.balls.centres.iter().map(rise).fold(reach + off, f64::max);
+        let height = self.height(&centre, &axis);
         let touch = |out: Vector3<f64>| -> Result<RouteTouch, RouteFailure> {
             let out = frame * out;
             Ok(RouteTouch {
@@ -224,7 +328,7 @@ impl Scene<'_> {
             })
         };
         let around = |step: usize| {
-            let angle = (step as f64 * 360.0 / AROUND as f64 + number as f64 * TURN).to_radians();
+            let angle = (step as f64 * 360.0 / AROUND as f64 + turn as f64 * TURN).to_radians();
             Vector3::new(libm::cos(angle), libm::sin(angle), 0.0)
         };
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
@@ -238,6 +342,7 @@ impl Scene<'_> {
         };
         let set = RouteSet {
             ball,
+            way: Vec::new(),
             top: at(centre + axis * height)?,
             touches: std::iter::once(z).chain((0..AROUND).map(around)).map(touch).collect::<Result<_, _>>()?,
             finding: [z, x, -x, y, -y].into_iter().map(touch).collect::<Result<_, _>>()?,
@@ -251,11 +356,11 @@ impl Scene<'_> {
     }
 
     /// Raises the top of a set along the tool axis, as far as the axes go.
-    fn lift(&self, set: &RouteSet, top: &Pose, lift: f64) -> Pose {
-        let held = self.held(top);
+    fn lift(&self, set: &RouteSet, lift: f64) -> Pose {
+        let held = self.held(&set.top);
         let raised = |by: f64| place(self.machine, &(held.tip + held.axis * by), &set.middle).ok();
         let heights = LIFTS.iter().rev().filter(|height| **height <= lift);
-        heights.copied().find_map(raised).unwrap_or_else(|| top.clone())
+        heights.copied().filter(|height| *height > 0.0).find_map(raised).unwrap_or_else(|| set.top.clone())
     }
 
     /// Fails if a move of a set comes too near to a ball or a stem.

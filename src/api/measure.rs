@@ -1,6 +1,6 @@
 //! A measuring program: balls on the workpiece, touched in poses of the rotary axes.
 
-use crate::analysis::touch_route::{ProbeSizes, RouteFailure, touch_route};
+use crate::analysis::touch_route::{ProbeSizes, RouteFailure, TouchScene};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::{Measurement, MeasurementSet, Reading, ReadingContext, read_measurements};
 use crate::job::machine_file::MachineFile;
@@ -54,7 +54,7 @@ pub fn measure(
         call.check()?;
         let (names, centres, poses) = balls(&read).or_else(|refusal| call.refuse(refusal))?;
         let balls = sizes.balls(centres);
-        let route = touch_route(file, &balls, sizes.stylus, &poses);
+        let route = TouchScene::of(file, &balls, sizes.stylus).and_then(|scene| scene.route(&poses));
         let route = route.or_else(|failure| call.refuse(blocked(file, &read, &names, &poses, failure)))?;
         let request = ProgramRequest { names: &names, balls: &balls, stylus: sizes.stylus, noise, servo_period };
         MeasuringProgram::linuxcnc(file, &route, &request).or_else(|refusal| call.refuse(refusal))
@@ -111,7 +111,10 @@ fn blocked(
         RouteFailure::Blocked(set, what, left) => {
             (set, format!("a move comes too near to {what}, by {} mm", significant(-left, 3)))
         }
-        RouteFailure::Between(set) => (set, "the way to it from the set before comes too near to a ball".to_owned()),
+        RouteFailure::Way(set) => (set, "the way to it from above all balls comes too near to one".to_owned()),
+        RouteFailure::Rest => {
+            (0, "there is no clear place above all balls within the travel, rotary axes at 0".to_owned())
+        }
     };
     let ball = poses.get(set).and_then(|(ball, _)| names.get(*ball)).map_or("", String::as_str);
     let place = in_file_order(read).get(set).map(|row| row.place.clone());

@@ -1,6 +1,6 @@
 //! A measuring program: the way of a touch probe around balls in the words of a controller.
 
-use crate::analysis::touch_route::{ProbedBalls, RouteSet, RouteTouch, Stylus};
+use crate::analysis::touch_route::{ProbedBalls, RouteSet, RouteTouch, Stylus, TouchRoute};
 use crate::controller::{ProgramManifest, ProgramWords, RenderedFile};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, Machine, Pose};
@@ -24,6 +24,8 @@ pub struct MeasuringProgram {
     pub controller: String,
     /// The certainty of the syntax, in a word.
     pub certainty: String,
+    /// Positions of the axes (mm, deg) from which the program starts: high above all balls.
+    pub start: IndexMap<String, f64>,
     /// The sets in their order.
     pub sets: Vec<MeasuredSet>,
     /// Sizes of balls, stems and probe of which the moves keep clear, in words.
@@ -85,6 +87,13 @@ struct Ball {
     number: usize,
 }
 
+/// A position between sets; the dry run is there by `along` times its height.
+#[derive(Clone, Serialize)]
+struct Passed {
+    words: Vec<Word>,
+    along: Vec<String>,
+}
+
 #[derive(Clone, Serialize)]
 struct Touch {
     above: Vec<Word>,
@@ -99,6 +108,7 @@ struct Set {
     ball: String,
     ball_number: usize,
     pose: String,
+    way: Vec<Passed>,
     top: Vec<Word>,
     middle: Vec<String>,
     out: Vec<String>,
@@ -124,6 +134,7 @@ struct Program {
     linear: Vec<char>,
     results: Vec<usize>,
     balls: Vec<Ball>,
+    start: Vec<Word>,
     sets: Vec<usize>,
     calls: Vec<Call>,
     radii: String,
@@ -163,7 +174,7 @@ impl MeasuringProgram {
     /// Writes the program of a way, or says why the controller cannot go it.
     pub(crate) fn linuxcnc(
         machine: &Machine,
-        route: &[RouteSet],
+        TouchRoute { rest, sets: route }: &TouchRoute,
         request: &ProgramRequest<'_>,
     ) -> Result<Self, Diagnostic> {
         let manifest = ProgramManifest::linuxcnc()?;
@@ -185,7 +196,8 @@ impl MeasuringProgram {
         let mut sets = Vec::new();
         let poses = names_of_poses(machine, route);
         for ((number, set), pose) in (1..).zip(route).zip(poses) {
-            sets.push(Set::of(&axes, &linear, set, request.names, Numbered { number, count: route.len(), pose })?);
+            let of = Numbered { number, count: route.len(), pose };
+            sets.push(Set::of(&axes, &linear, set, request.names, of)?);
         }
         let first = |ball: &usize| route.iter().position(|set| set.ball == *ball);
         let firsts: Vec<usize> = (0..request.names.len()).filter_map(|ball| first(&ball)).collect();
@@ -199,6 +211,7 @@ impl MeasuringProgram {
             linear: linear.iter().map(|i| axes[*i].word).collect(),
             results: linear.iter().map(|i| axes[*i].result).collect(),
             balls: (1..=request.names.len()).map(|number| Ball { number }).collect(),
+            start: words(&axes, &linear, rest),
             sets: (1..=route.len()).collect(),
             calls: calls.collect(),
             radii: text(request.balls.radius + request.stylus.radius),
@@ -211,18 +224,22 @@ impl MeasuringProgram {
         };
         let balls = firsts.iter().map(|i| sets[*i].clone()).collect();
         let files = manifest.render(&ProgramWords { program, balls, sets: sets.clone() })?;
-        let middle =
-            |set: &RouteSet| machine.axes().iter().zip(&set.middle).map(|(a, q)| (a.name.to_string(), *q)).collect();
+        let named = |at: &Pose| machine.axes().iter().zip(at).map(|(a, q)| (a.name.to_string(), *q)).collect();
         Ok(Self {
             machine: machine.name().to_owned(),
             controller: manifest.title,
             certainty: manifest.certainty.level.word().to_owned(),
             checked: request.words(),
             touches: route.iter().map(|set| set.touches.len()).sum(),
+            start: named(rest),
             sets: sets
                 .iter()
                 .zip(route)
-                .map(|(of, set)| MeasuredSet { ball: of.ball.clone(), pose: of.pose.clone(), middle: middle(set) })
+                .map(|(of, set)| MeasuredSet {
+                    ball: of.ball.clone(),
+                    pose: of.pose.clone(),
+                    middle: named(&set.middle),
+                })
                 .collect(),
             slow_mm_per_min: slow,
             fast_mm_per_min: FEEDS[1],
@@ -230,6 +247,15 @@ impl MeasuringProgram {
             files: files.into_iter().map(|RenderedFile { name, bytes }| (name, bytes)).collect(),
         })
     }
+}
+
+fn words(axes: &[Axis], linear: &[usize], at: &Pose) -> Vec<Word> {
+    let word = |(i, axis): (usize, &Axis)| Word {
+        word: axis.word.to_string(),
+        value: text(at[i]),
+        linear: linear.iter().position(|of| *of == i).map(|at| at + 1),
+    };
+    axes.iter().enumerate().map(word).collect()
 }
 
 /// Names poses of the rotary axes in the order in which they come.
@@ -263,14 +289,7 @@ impl Set {
         names: &[String],
         Numbered { number, count, pose }: Numbered,
     ) -> Result<Self, Diagnostic> {
-        let words = |at: &Pose| -> Vec<Word> {
-            let word = |(i, axis): (usize, &Axis)| Word {
-                word: axis.word.to_string(),
-                value: text(at[i]),
-                linear: linear.iter().position(|of| *of == i).map(|at| at + 1),
-            };
-            axes.iter().enumerate().map(word).collect()
-        };
+        let words = |at: &Pose| words(axes, linear, at);
         let touch = |touch: &RouteTouch| Touch {
             above: words(&touch.above),
             start: words(&touch.start),
@@ -287,6 +306,7 @@ impl Set {
             ball: names[set.ball].clone(),
             ball_number: set.ball + 1,
             pose,
+            way: set.way.iter().map(|of| Passed { words: words(&of.at), along: steps(of.out) }).collect(),
             top: words(&set.top),
             middle: linear.iter().map(|i| text(set.middle[*i])).collect(),
             out: steps(set.out),

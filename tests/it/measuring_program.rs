@@ -5,6 +5,7 @@ use crate::kinematic_parameters::{head_head, table_table};
 use crate::oracle::curves::Travel;
 use crate::oracle::machines::Sample;
 use crate::oracle::matrix::V3;
+use crate::planned::at_place;
 use crate::program::{Folder, abbe, available, json, refused, text};
 use crate::support::config::sample;
 use nalgebra::Vector3;
@@ -225,6 +226,53 @@ fn every_move_keeps_clear_and_every_touch_meets_its_ball() {
     }
 }
 
+/// What the plan chooses `measure` takes, of every ball, in its order; no move between the sets meets any ball.
+#[test]
+fn a_plan_is_a_program_that_keeps_clear() {
+    if !available("rs274", "the measuring program") {
+        return;
+    }
+    for (shop, start) in [(table("plan"), 0.0), (head("plan"), 100.0)] {
+        let walk = &shop.machine.rigid.walk;
+        let start: Vec<f64> = walk.iter().map(|axis| if axis.rotary { 0.0 } else { start }).collect();
+        let balls: Vec<String> = shop
+            .balls
+            .iter()
+            .map(|ball| {
+                let at = at_place(&shop.machine, &start, *ball, 1);
+                let linear = walk.iter().zip(&at).filter(|(axis, _)| !axis.rotary);
+                linear.map(|(axis, q)| format!("{}={q:.4}", axis.name)).collect::<Vec<_>>().join(",")
+            })
+            .collect();
+        let asked: Vec<&str> = ["identify", text(&shop.plain), "--plan", "24", "--instrument", "touch"]
+            .into_iter()
+            .chain(balls.iter().flat_map(|ball| ["--ball", ball]))
+            .chain(["--fit", "needed", "--format", "csv", "--quiet"])
+            .collect();
+        let csv = abbe(&asked);
+        assert!((1..=3).all(|ball| csv.contains(&format!("\nb{ball},"))), "{csv}");
+        let (sets, out) = (shop.folder.with("planned.csv", &csv), shop.folder.file("planned"));
+        let made = json(&["measure", text(&shop.plain), text(&sets), "--out", text(&out), "--format", "json"]);
+        assert_eq!(made["sets"].as_array().unwrap().len(), 24);
+        let sets: String = (1..=24).map(|set| format!("o<abbe_set_{set}> call\n")).collect();
+        let found = "#<_abbe_1_found> = 1\n#<_abbe_2_found> = 1\n#<_abbe_3_found> = 1\n";
+        let (moves, _) = shop.read(&out, &format!("o<abbe_start> call [1] [0]\n{found}{sets}"));
+        let mut at: [f64; 6] = ["X", "Y", "Z", "A", "B", "C"].map(|axis| made["start"][axis].as_f64().unwrap_or(0.0));
+        let mut index = 0;
+        while index < moves.len() {
+            let step = &moves[index];
+            if step.kind == "PROBE" {
+                index += 4;
+                continue;
+            }
+            let room = shop.room(&at, &step.to, None);
+            assert!(room > 0.5, "{room} mm left from {at:?} to {step:?}");
+            at = step.to;
+            index += 1;
+        }
+    }
+}
+
 /// The dry run goes the same way out along the tool axis; a set that broke off leaves along it; the order is kept.
 #[test]
 fn it_runs_dry_and_goes_on_where_it_broke_off() {
@@ -238,8 +286,8 @@ fn it_runs_dry_and_goes_on_where_it_broke_off() {
     let (dry, logged) = shop.read(&out, &format!("o<abbe_start> call [1] [50]\n{calls}"));
     assert!(dry.iter().all(|step| step.kind != "PROBE"), "{dry:?}");
     assert!(logged.iter().any(|line| line.starts_with("begin b1 p1")));
-    // The set goes from its top to above the pole: lifted by 50 mm along the tool axis.
-    let (top, axis) = shop.held(&wet[0].to);
+    // The set ends above all balls: lifted by 50 mm along the tool axis.
+    let (top, axis) = shop.held(&wet.last().unwrap().to);
     let lifted = shop.held(&dry.last().unwrap().to).0 - top;
     assert!((lifted - axis * 50.0).norm() < 1e-3, "{lifted}");
     // Where the interpreter lets the probe end, the pole is 3 mm too deep and the sides are even.
@@ -249,12 +297,18 @@ fn it_runs_dry_and_goes_on_where_it_broke_off() {
     );
     let off: Vec<f64> = found.last().unwrap().split(' ').map(|number| number.parse().unwrap()).collect();
     assert!((Vector3::from_column_slice(&off) + axis * 3.3).norm() < 1e-3, "{off:?}");
-    // It broke off in the first set.
-    let again = "o<abbe_start> call [1] [0]\n#<_abbe_1_found> = 1\n#<_abbe_open> = 1\no<abbe_set_1> call";
-    let (moves, logged) = shop.read(&out, again);
+    // It broke off in the first set, on its way there, and then at the ball.
+    let again = "o<abbe_start> call [1] [0]\n#<_abbe_1_found> = 1\n#<_abbe_open> = 1\n";
+    let places = std::fs::read_to_string(out.join("abbe_set_1.ngc")).unwrap().matches("M66 E0 L0").count();
+    for (passed, place) in wet.iter().enumerate().take(places) {
+        let (moves, logged) = shop.read(&out, &format!("{again}#<_abbe_at> = {passed}\no<abbe_set_1> call"));
+        assert!(logged.iter().any(|line| line == "again b1 p1"), "{logged:?}");
+        assert!(moves[0].kind == "TRAVERSE" && moves[0].to == place.to, "{moves:?}");
+    }
+    let (moves, logged) = shop.read(&out, &format!("{again}#<_abbe_at> = {places}\no<abbe_set_1> call"));
     assert!(logged.iter().any(|line| line == "again b1 p1"), "{logged:?}");
     assert_eq!(moves[0].kind, "FEED");
-    let step = shop.held(&std::array::from_fn(|k| wet[0].to[k] + moves[0].to[k])).0 - top;
+    let step = shop.held(&std::array::from_fn(|k| wet.last().unwrap().to[k] + moves[0].to[k])).0 - top;
     assert!(step.dot(&axis) > BALL && step.cross(&axis).norm() < 1e-3, "{step}");
     // Out of order, and a ball that was not found.
     for (calls, word) in [

@@ -49,6 +49,7 @@ static struct {
     unsigned char past[64];
     int cycle;
     int touches, shaft_touches, crashes, shaft_now, crash_now;
+    FILE *told; /* a line for each shaft touch and crash: what, its ball, the tip, the joints */
 } m;
 
 static vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -137,11 +138,24 @@ static double seen_at(const struct ball *ball, vec n)
            + m.lobe * across * cos(3 * (angle - m.lobe_angle));
 }
 
+/* Says what was met, and where. */
+static void tell(const char *what, int ball, vec tip, const double *q)
+{
+    int k;
+    if (!m.told || m.shaft_touches + m.crashes > 100)
+        return;
+    fprintf(m.told, "%s ball %d after %d contacts, tip %.3f %.3f %.3f, joints", what, ball, m.touches, tip.x, tip.y, tip.z);
+    for (k = 0; k < m.axes; k++)
+        fprintf(m.told, " %.3f", q[k]);
+    fputc('\n', m.told);
+    fflush(m.told);
+}
+
 /* One look: is anything touched? `q` as the controller commands; axes follow with their play. */
 static int look(const double *commanded)
 {
     double q[AXES];
-    int k, now = 0, shaft = 0, crash = 0;
+    int k, now = 0, shaft = 0, crash = 0, met = 0, hit = 0;
     for (k = 0; k < m.axes; k++) {
         struct axis *axis = &m.axis[k];
         double c = commanded[axis->joint];
@@ -166,7 +180,13 @@ static int look(const double *commanded)
         crash |= apart(add(tip, times(m.length, up)), times(REACH, up), ball->at, none) < ball->radius + m.body;
         crash |= apart(add(tip, times(m.length, up)), times(REACH, up), ball->at, stem) < ball->stem + m.body;
         crash |= apart(tip, none, ball->at, stem) < ball->stem + m.radius;
+        met += !shaft;
+        hit += !crash;
     }
+    if (shaft && !m.shaft_now)
+        tell("shaft", met, tip, q);
+    if (crash && !m.crash_now)
+        tell("crash", hit, tip, q);
     m.shaft_touches += shaft && !m.shaft_now;
     m.crashes += crash && !m.crash_now;
     m.shaft_now = shaft, m.crash_now = crash;
@@ -288,6 +308,7 @@ static void update(void *unused, long period)
 int rtapi_app_main(void)
 {
     int k, failed = read_machine(machine);
+    m.told = fopen("met.txt", "w");
     if (failed || joints < 1 || joints > AXES) {
         rtapi_print_msg(RTAPI_MSG_ERR, "plant: %s, line %d\n", machine, failed);
         return -1;

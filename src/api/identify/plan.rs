@@ -161,7 +161,9 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
             return call.usage(format!("there are {count} to choose {} from, each once", options.poses));
         }
         let mut chosen = call.stage("readings chosen", options.poses, |advance| {
-            plan(&model, rows, options.poses, options.noise_mm, advance)
+            // A ball without a set would stand in the way of a program that is not told of it.
+            let each_ball = options.instrument == PlanInstrument::Touch;
+            plan(&model, rows, options.poses, each_ball, options.noise_mm, advance)
         })?;
         let in_order = options.candidates.is_some() || options.instrument == PlanInstrument::Touch;
         if in_order || rows.iter().any(|row| row.run.is_some()) {
@@ -237,9 +239,13 @@ fn table(call: &mut Call<'_>, file: &MachineFile, options: &PlanOptions) -> Resu
         let message = format!("an R-test cannot be driven at a ball: {}", why.words());
         call.refuse(Diagnostic::new(codes::E0612, message).help(help))
     })?;
-    if touches && table.lines().count() < 2 {
-        let message = "no ball is in reach of the probe with a clear shaft in any pose that was tried";
+    let lacks = |number: &usize| !table.lines().any(|line| line.starts_with(&format!("b{number},")));
+    if let Some(number) = (1..=balls.len()).find(|number| touches && lacks(number)) {
+        let message = format!("ball b{number} is touched with a clear shaft in none of the poses that were tried");
         return call.refuse(Diagnostic::new(codes::E0612, message).help(help));
+    }
+    if touches && options.poses < balls.len() {
+        return call.usage(format!("a plan for {} touches each: take more poses", counted(balls.len(), "ball")));
     }
     Ok(table)
 }

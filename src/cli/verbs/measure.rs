@@ -5,7 +5,7 @@ use crate::cli::arguments::{NoiseArg, ProbeArgs, ToolArg, help};
 use crate::cli::output::session::Session;
 use crate::cli::store::tree::write_new_folder;
 use abbe::results::MeasuringProgram;
-use abbe::text::{Reason, cell, counted};
+use abbe::text::{Reason, cell, counted, significant};
 use abbe::{MeasureOptions, measure};
 use std::path::PathBuf;
 
@@ -69,6 +69,8 @@ fn text(program: &MeasuringProgram, args: &Args) -> String {
         program.controller,
         program.certainty
     );
+    let start: Vec<String> = program.start.iter().map(|(axis, q)| format!("{axis} = {}", significant(*q, 6))).collect();
+    text += &format!("Starts above all balls, at {}\n", start.join(", "));
     text += &format!("Checked for {}\n", program.checked);
     text +=
         "Every move keeps clear of balls and stems and within the travel; clamps, walls and the table are not known\n";

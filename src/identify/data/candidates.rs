@@ -3,7 +3,7 @@
 
 use super::measurement::{Measurement, Reading};
 use crate::analysis::instrument::within;
-use crate::analysis::touch_route::{ProbeSizes, touchable};
+use crate::analysis::touch_route::{ProbeSizes, TouchScene};
 use crate::analysis::{Unreachable, place};
 use crate::evaluate::random_poses;
 use crate::identify::thresholds::{PLAN_CANDIDATES, PLAN_LINE_POINTS, PLAN_LINES, PLAN_TOUCH_POSES};
@@ -127,21 +127,27 @@ impl<'a> CandidateTable<'a> {
     /// ball, as they are logged.
     fn of_touches(&self, sizes: &ProbeSizes, balls: &[Pose], seed: u64) -> String {
         let machine = self.machine;
-        let place = |at: &Pose| NominalPose::in_part(machine, at).pose.translation;
+        // As they are written: `measure` asks the same of them.
+        let written = |x: f64| libm::round(x * 1e4) / 1e4 + 0.0;
+        let place = |at: &Pose| NominalPose::in_part(machine, at).pose.translation.map(written);
         let placed = sizes.balls(balls.iter().map(place).collect());
-        let whole = |(q, of): (&f64, &crate::machine::Grid)| rounded(*q, 0, [of.min, of.max]);
+        let whole = |(q, of): (&f64, &crate::machine::Grid)| {
+            let within = [of.min, of.max];
+            rounded(rounded(*q, 0, within), 4, within)
+        };
         let turns: Vec<Pose> = random_poses(machine, PLAN_TOUCH_POSES, seed)
             .iter()
             .map(|turn| turn.iter().zip(machine.volume()).map(whole).collect())
             .collect();
         let sets: Vec<(&Pose, usize)> =
             turns.iter().flat_map(|turn| (0..balls.len()).map(move |ball| (turn, ball))).collect();
-        let middle = |(turn, ball): &(&Pose, usize)| touchable(machine, &placed, sizes.stylus, *ball, turn);
+        let scene = TouchScene::of(machine, &placed, sizes.stylus).ok();
+        let middle = |(turn, ball): &(&Pose, usize)| scene.as_ref()?.touchable(*ball, turn);
         let found: Vec<Option<Pose>> = sets.par_iter().map(middle).collect();
         let mut text = format!("ball,ball.x [mm],ball.y [mm],ball.z [mm],{}\n", self.titles);
         for ((_, ball), middle) in sets.iter().zip(found) {
             let Some(middle) = middle else { continue };
-            let [x, y, z] = [0, 1, 2].map(|k| libm::round(placed.centres[*ball][k] * 1e4) / 1e4 + 0.0);
+            let [x, y, z] = <[f64; 3]>::from(placed.centres[*ball]);
             text += &format!("b{},{x},{y},{z},{}\n", ball + 1, self.row(machine, &middle, 4));
         }
         text

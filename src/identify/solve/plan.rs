@@ -12,12 +12,15 @@ use rayon::prelude::*;
 /// Chooses `count` of the candidates, each once and one after the other: each time the one that shrinks the
 /// determinant of the covariance of the machine's parameters most, whatever the unknowns of instruments are
 /// (D_s-optimality: Atkinson, Donev and Tobias 2007). Lines count as one; a run of relative readings begins with its
-/// first, which counts. A component has a standard deviation of `noise` (mm), unless its row states its own.
+/// first, which counts.
+/// The first of each run is among them if `each_run` is set.
+/// A component has a standard deviation of `noise` (mm), unless its row states its own.
 /// `progress` hears of each choice. Returns the indices in the order of their worth.
 pub fn plan<F>(
     model: &FitModel<'_>,
     candidates: &[Measurement],
     count: usize,
+    each_run: bool,
     noise: f64,
     progress: Advance<'_, F>,
 ) -> Result<Vec<usize>, F> {
@@ -27,7 +30,12 @@ pub fn plan<F>(
     let rows: Vec<DMatrix<f64>> = groups.iter().map(rows_of).collect();
     let leads = leads(candidates, &groups);
     let mut covariance = prior(model);
-    let mut taken = Vec::new();
+    let is_first = |group: &usize| each_run && leads[*group] == Some(*group);
+    let mut taken: Vec<usize> = (0..groups.len()).filter(is_first).take(count).collect();
+    for group in &taken {
+        update(&mut covariance, &rows[*group]);
+        progress(1)?;
+    }
     while taken.len() < count.min(groups.len()) {
         let own = covariance.view((0, 0), (model.own(), model.own())).into_owned().cholesky();
         let worth = |group: usize| {
