@@ -83,7 +83,8 @@ fn set(folder: &Folder, machine: &Path, name: &str) -> Files {
 }
 
 fn relative(out: &Path) -> Files {
-    tree(out).into_iter().map(|(path, entry)| (path.strip_prefix(out).unwrap().to_owned(), entry)).collect()
+    let files = tree(out).into_iter().filter(|(_, entry)| *entry != Entry::Folder);
+    files.map(|(path, entry)| (path.strip_prefix(out).unwrap().to_owned(), entry)).collect()
 }
 
 /// What a run that was killed has left, by the files of the folder and by `verify`, which changes nothing: the old set,
@@ -131,11 +132,12 @@ fn a_run_killed_at_any_step_leaves_one_whole_set() {
     for (label, old) in [("over", &sets[0]), ("into", &nothing)] {
         let mut seen = BTreeMap::new();
         for step in 1.. {
-            assert!(step < 100, "the shim ends no run");
+            assert!(step < 200, "the shim ends no run");
             let out = folder.path(&format!("{label}-{step}"));
             std::fs::create_dir_all(&out).unwrap();
             old.iter().for_each(|(path, entry)| {
                 let Entry::File(bytes) = entry else { panic!("{path:?}") };
+                std::fs::create_dir_all(out.join(path).parent().unwrap()).unwrap();
                 std::fs::write(out.join(path), bytes).unwrap();
             });
             let mut run = compile(&machines[1], &out);
@@ -153,6 +155,7 @@ fn a_run_killed_at_any_step_leaves_one_whole_set() {
                 std::fs::create_dir_all(&copy).unwrap();
                 relative(&out).iter().for_each(|(path, entry)| {
                     let Entry::File(bytes) = entry else { panic!("{path:?}") };
+                    std::fs::create_dir_all(copy.join(path).parent().unwrap()).unwrap();
                     std::fs::write(copy.join(path), bytes).unwrap();
                 });
                 for i in order {

@@ -41,8 +41,9 @@ impl NewSet<'_> {
             let prepared = parts.iter().map(|(name, part)| part.prepare(&folder.join(name)));
             let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
             // All files are there before the first set is decided: a full disk changes none.
+            let above = above.stage(&kept)?;
             let staged = prepared.into_iter().map(|part| part.stage(&kept)).collect::<Result<Vec<_>, _>>()?;
-            Ok((above.stage(&kept)?, staged))
+            Ok((above, staged))
         };
         let (above, staged) = staged().inspect_err(|_| {
             // Those that were made for this run are empty.
