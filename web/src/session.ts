@@ -201,8 +201,10 @@ export class Session {
   }
 
   private rest(): Promise<void> {
-    if (!this.busy && !this.isHeld) return Promise.resolve();
-    return new Promise((done) => this.waiting.push(done));
+    return new Promise((done) => {
+      if (this.busy || this.isHeld) this.waiting.push(done);
+      else setTimeout(done);
+    });
   }
 
   /** The questions that answers lead to, whatever the text is. */
@@ -249,11 +251,8 @@ export class Session {
     if (this.busy) return;
     this.busy = true;
     this.working(true);
-    try {
-      while (this.wish) await this.turn(this.wish);
-    } catch (failure) {
-      this.fail(failure);
-    }
+    // After a failure the newest wish is still open.
+    while (this.wish) await this.turn(this.wish).catch((failure: unknown) => this.fail(failure));
     this.busy = false;
     this.working(false);
     if (!this.isHeld) this.waiting.splice(0).forEach((done) => done());

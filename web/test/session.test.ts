@@ -12,6 +12,7 @@ import { Session, type State } from "../src/session";
 class Machine {
   readonly asked: string[] = [];
   hold = false;
+  fails = false;
   /** Questions that nobody waits for any more. */
   readonly ended: string[] = [];
   private readonly held: (() => void)[] = [];
@@ -29,6 +30,7 @@ class Machine {
           fail(signal.reason as Error);
         });
       });
+    if (this.fails) throw new Error("nobody answers");
     const p95 = Number(of);
     const answers: Record<string, unknown> = {
       show: { chain: of },
@@ -143,4 +145,25 @@ test("of what is wished after an ended question only the newest is done", async 
     ["1", "3"],
   );
   assert.deepEqual(failures, []);
+});
+
+test("a failure leaves the newest wish, and a question at rest is asked after it", async () => {
+  const machine = new Machine();
+  const { session, shown, failures } = sessionOf(machine);
+  session.open("m.yaml", "1");
+  await rest();
+  machine.fails = true;
+  machine.hold = true;
+  const asking = new Newest((failure) => failures.push(String(failure)));
+  session.change("2", true, true);
+  session.change("3", true, true);
+  void asking.do(async () => void (await session.askAtRest([{ reach: {} }])));
+  machine.hold = false;
+  await rest();
+  assert.ok(failures.length > 0 && !machine.asked.includes("reach"), failures.join());
+  machine.fails = false;
+  machine.release();
+  session.change("4", false);
+  await rest();
+  assert.deepEqual([shown.at(-1)?.now?.chain.chain, machine.asked.at(-1)], ["4", "reach"]);
 });

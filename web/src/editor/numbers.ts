@@ -22,9 +22,12 @@ const QUANTITY = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Zµ°"'%
 
 const SCALARS = new Set(["Literal", "QuotedLiteral"]);
 
+/** Time for the syntax of a file, ms: it takes a few, but on a busy computer the clock runs on without the page. */
+const PARSING = 5000;
+
 /** Returns the syntax of the whole file, not only of the part that is in sight. */
 export function tree(state: EditorState): Tree {
-  return ensureSyntaxTree(state, state.doc.length, 500) ?? syntaxTree(state);
+  return ensureSyntaxTree(state, state.doc.length, PARSING) ?? syntaxTree(state);
 }
 
 /** Returns the numbers of a file that are values, in their order. */

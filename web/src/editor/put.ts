@@ -54,6 +54,8 @@ export function keysBelow(state: EditorState, keys: string[]): string[] {
 /** Returns the edit that writes a value: in its place, or as the last entry of the innermost mapping that is there. */
 export function put(state: EditorState, keys: string[], value: string): Change[] {
   const text = quoted(value);
+  // What was not read may have the entry.
+  if (tree(state).length < state.doc.length) return [];
   const there = read(state, keys);
   if (there) return there.text === text ? [] : [{ from: there.from, to: there.to, insert: text }];
   for (let depth = keys.length; depth > 0; depth -= 1) {

@@ -64,6 +64,7 @@ export class WhatIf {
     this.known = known;
     this.list();
     if (this.chosen) this.choice.value = nameOf(this.chosen);
+    else this.follow();
   }
 
   private list(): void {

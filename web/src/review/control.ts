@@ -115,7 +115,8 @@ export class Control {
     await new Promise((resolve) => setTimeout(resolve, REST));
     const left: Left[] = [];
     // Lattices for other programs are no control.
-    for (const target of this.targets.filter((of) => !of.target.startsWith("grid-"))) {
+    const controls = this.targets.filter((of) => !of.target.startsWith("grid-"));
+    for (const [tried, target] of controls.entries()) {
       if (turn !== this.turn) return;
       const answers = await this.session
         .askAtRest([corrected(target.target)])
@@ -127,17 +128,20 @@ export class Control {
       if (turn !== this.turn) return;
       if (found) left.push({ target, found });
       left.sort((a, b) => after(a) - after(b));
-      if (found) this.ranked(left);
+      this.ranked(left, tried + 1 < controls.length ? `${tried + 1} of ${controls.length} tried` : "");
     }
   }
 
-  private ranked(left: Left[]): void {
+  /** `tried` is how far the list is; empty at its end. */
+  private ranked(left: Left[], tried: string): void {
     const [best] = left;
     if (!best) return;
     const rows = left.map((of) => row(of.target.title, figure(`left-${of.target.target}`, after(of), "µm")));
     const list = table(["Control", `leaves, ${scopeOf(best.found.over)}`], rows);
     this.body.replaceChildren(scrolling(list));
-    this.tell("repair", { ...repaired(best.found, best.target), why: [`With the best: ${best.target.title}.`] });
+    const answer = repaired(best.found, best.target);
+    const of = tried ? `With the best so far, ${tried}` : "With the best";
+    this.tell("repair", { ...answer, ...(tried ? { mark: "open" } : {}), why: [`${of}: ${best.target.title}.`] });
   }
 
   private async list(): Promise<void> {
