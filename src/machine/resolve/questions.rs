@@ -271,7 +271,7 @@ fn far_lines(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
         }
         let (off, longest) = (significant(off, 4), significant(longest, 4));
         let message = format!(
-            "the line of `{}` is {off} mm from {what} at the zero pose, and no linear axis travels more than {longest} mm",
+            "the line of `{}` is {off} mm from {what} at the zero pose; no linear axis travels more than {longest} mm",
             axis.name
         );
         let help = "compare the signs of `origin` with those of the other points: all are in machine coordinates";
