@@ -90,7 +90,7 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
     let found = found_value(message);
     let letter = |letter: &&str| found.as_ref().is_some_and(|found| found.ends_with(&format!("\"{letter}\"")));
     let in_points = keys.len() > 1 && keys[keys.len() - 2] == "points" && name.parse::<usize>().is_ok();
-    let form = match ["X", "Y", "Z"].iter().position(|of| letter(&of)) {
+    let form = match ["X", "Y", "Z"].iter().position(letter) {
         Some(i) if name == "direction" => Some(["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"][i]),
         _ => sample(name),
     };

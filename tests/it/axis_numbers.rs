@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::oracle::program::Folder;
-use crate::support::{Run, abbe, compile, names, verify};
+use crate::support::{Run, abbe, compile, names, set_files, verify};
 
 const FEW: [&str; 3] = ["--accept-unverified", "--poses", "60"];
 
@@ -33,7 +33,7 @@ fn numbered(folder: &Folder, name: &str, numbers: [u16; 5]) -> PathBuf {
 
 /// All files of a set but its manifest, one after the other.
 fn text(out: &Path) -> String {
-    let files = names(out).into_iter().filter(|name| name != "abbe.lock.json");
+    let files = set_files(out).into_iter().filter(|name| name != "abbe.lock.json");
     files.map(|name| format!("{name}\n{}", std::fs::read_to_string(out.join(&name)).unwrap())).collect()
 }
 
@@ -131,7 +131,7 @@ fn letters_are_the_users() {
         assert!(!run.err.contains("W0601"), "{}", run.err);
         run.json();
         // LinuxCNC counts joints itself.
-        assert_eq!(names(&out(name)), ["abbe.lock.json", "compensation.inc", "joint_0_Y.comp", "joint_1_U.comp"]);
+        assert_eq!(set_files(&out(name)), ["abbe.lock.json", "compensation.inc", "joint_0_Y.comp", "joint_1_U.comp"]);
     }
     let again = folder.path("again.yaml");
     let convert = Run::of(abbe().arg("convert").arg(&file).args(["--to", "linearised", "--out"]).arg(&again));

@@ -330,7 +330,7 @@ fn names_are_ascii_where_the_controller_reads_nothing_else() {
         let run = compile(&machine, target, &out, &[&FEW[..], &["--accept-unverified"]].concat());
         assert_eq!(run.code, Some(0), "{target}: {}", run.err);
         assert_eq!(run.err.contains("W0609"), ascii, "{target}: {}", run.err);
-        let files = crate::support::names(&out).into_iter().filter(|name| name != "abbe.lock.json");
+        let files = crate::support::set_files(&out).into_iter().filter(|name| name != "abbe.lock.json");
         for name in files {
             let bytes = std::fs::read(out.join(&name)).unwrap();
             assert!(!ascii || bytes.is_ascii(), "{target}: {name}");

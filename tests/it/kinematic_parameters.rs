@@ -15,7 +15,7 @@ use crate::oracle::matrix::{
 };
 use crate::oracle::program::Folder;
 use crate::support::config::sample;
-use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, config, left, names, number, p95_bracket, verify};
+use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, config, left, number, p95_bracket, set_files, verify};
 
 const ACCEPT: [&str; 3] = ["--accept-unverified", "--poses", "300"];
 
@@ -504,7 +504,7 @@ fn parameters_do_not_know_the_tool() {
             let folder = Folder::new();
             let (_, out, _) = compiled(&folder, &text, target);
             let read = |name: &String| std::fs::read(out.join(name)).unwrap();
-            names(&out).iter().filter(|name| *name != "abbe.lock.json").map(read).collect::<Vec<_>>()
+            set_files(&out).iter().filter(|name| *name != "abbe.lock.json").map(read).collect::<Vec<_>>()
         });
         assert_eq!(files[0], files[1], "{target}");
     }

@@ -7,7 +7,7 @@ use crate::oracle::machines::{Sample, combinations};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::yaml;
-use crate::support::{Run, abbe, cec, compile, config, names, number, verify};
+use crate::support::{Run, abbe, cec, compile, config, names, number, set_files, verify};
 
 const FEW: [&str; 3] = ["--accept-unverified", "--poses", "60"];
 
@@ -376,7 +376,7 @@ fn limits_hold_on_random_machines() {
         }
         written += 1;
         let texts: Vec<String> =
-            names(&out).iter().map(|name| std::fs::read_to_string(out.join(name)).unwrap()).collect();
+            set_files(&out).iter().map(|name| std::fs::read_to_string(out.join(name)).unwrap()).collect();
         match target {
             "sinumerik-cec" => cec_limits(&texts),
             "pmac" => pmac_limits(&texts),

@@ -92,8 +92,8 @@ fn lines_for_a_terminal_keep_commands_and_labels_whole() {
 fn three_axes(chain: &str, sections: &str) -> String {
     format!(
         "abbe: 1\nmachine: m\nchain: {chain}\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
-         Y: {{ travel: [0 mm, 400 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\ntool: {{ gauge: [0, 0, 0], length: 100 mm }}\n\
-         workpiece: {{ origin: [250, 200, -450] }}\n{sections}"
+         Y: {{ travel: [0 mm, 400 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n\
+         tool: {{ gauge: [0, 0, 0], length: 100 mm }}\nworkpiece: {{ origin: [250, 200, -450] }}\n{sections}"
     )
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::oracle::program::Folder;
-use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, names, number, verify};
+use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, names, number, set_files, verify};
 
 const TABLES: &str = "EXX: { points: [[0 mm, 0 um], [500 mm, 9 um]] }\n  EYX: { points: [[0 mm, 0 um], [500 mm, -4 um]] }\n  \
      EZX: { points: [[0 mm, 0 um], [500 mm, 6 um]] }\n  EYY: { points: [[0 mm, 0 um], [400 mm, 7 um]] }\n  EZZ: { points: [[-300 mm, 3 um], [0 mm, 0 um]] }\n  EC0Y: 30 urad";
@@ -42,7 +42,7 @@ fn strip(mut json: Value) -> Value {
 /// The same files under meaningless names, in another order, without the manifest.
 fn renamed(out: &Path, into: &Path) {
     std::fs::create_dir_all(into).unwrap();
-    for (i, name) in names(out).iter().rev().filter(|name| *name != "abbe.lock.json").enumerate() {
+    for (i, name) in set_files(out).iter().rev().filter(|name| *name != "abbe.lock.json").enumerate() {
         std::fs::copy(out.join(name), into.join(format!("found{i}.bin"))).unwrap();
     }
 }

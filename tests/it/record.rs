@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::oracle::program::Folder;
 use crate::support::sha256::sha256;
-use crate::support::{Entry, Run, abbe, compile, names, number, tree, verify};
+use crate::support::{Entry, Run, abbe, compile, names, number, set_files, tree, verify};
 
 const MACHINE: &str = "abbe: 1
 machine: Mill <7> & \"Co\"
@@ -105,7 +105,7 @@ fn a_record_holds_its_sources_and_the_numbers_of_the_other_verbs() {
     }
     assert_eq!(data["data"][0]["sha256"], sha256(RAW.as_bytes()));
     assert_eq!(data["data"][1]["file"], "data/2-x_laser.csv");
-    for name in names(&folder.path("tables")) {
+    for name in set_files(&folder.path("tables")) {
         let [copy, source] = [out.join("sets/1").join(&name), folder.path("tables").join(&name)];
         assert_eq!(std::fs::read(copy).unwrap(), std::fs::read(source).unwrap(), "{name}");
     }

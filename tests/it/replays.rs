@@ -15,13 +15,14 @@ use crate::oracle::random::Random;
 use crate::support::controllers::{Files, loaded as controller};
 use crate::support::{Entry, compile, config, tree, writes_tables};
 
-/// The files of a set by name.
+/// The files of a set by name, without those of the set that takes it back.
 pub fn files(out: &Path) -> Files {
+    let own = tree(out).into_iter().filter(|(path, _)| !path.starts_with(out.join("restore")));
     let text = |(path, entry): (PathBuf, Entry)| {
         let Entry::File(bytes) = entry else { panic!("{path:?}") };
         (path.file_name().unwrap().to_str().unwrap().to_owned(), String::from_utf8(bytes).unwrap())
     };
-    tree(out).into_iter().map(text).collect()
+    own.map(text).collect()
 }
 
 /// Returns the content of a set as the program reads it.

@@ -289,8 +289,7 @@ fn what_rests_on_memory_is_not_written_by_accident() {
         compile(&machine, target, &out, &[]).refused("E0710").says("memory");
         assert!(!out.exists());
         compile(&machine, target, &out, &FEW).json();
-        let all: String =
-            std::fs::read_dir(&out).unwrap().map(|f| std::fs::read_to_string(f.unwrap().path()).unwrap()).collect();
+        let all: String = crate::replays::files(&out).into_values().collect();
         assert!(all.contains("NOT VERIFIED, from memory"), "{target}");
     }
 }

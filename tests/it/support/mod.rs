@@ -133,6 +133,11 @@ pub fn names(folder: &Path) -> Vec<String> {
     all
 }
 
+/// Names of the files of a set, sorted, without the set that takes it back.
+pub fn set_files(out: &Path) -> Vec<String> {
+    names(out).into_iter().filter(|name| out.join(name).is_file()).collect()
+}
+
 /// The ceil(0.95 n)-th smallest.
 pub fn p95(values: &[f64]) -> f64 {
     sorted(values)[(values.len() * 95).div_ceil(100) - 1]
