@@ -33,6 +33,7 @@ from ._results import (
     RecordResult,
     ReportResult,
     SetDiffResult,
+    TargetsResult,
     TestPieceResult,
     TouchImportResult,
     TrendResult,
@@ -1184,6 +1185,41 @@ class Verbs:
         words, texts = folders_and_texts(path)
         found = call("locate", [self._native], options, words=words, texts=texts, threads=threads, progress=progress)
         return LocateResult(found)
+
+    def compare_targets(
+        self,
+        *,
+        poses: int = 2000,
+        seed: int = 1,
+        tool_poses: Table | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: ReferenceOption | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> TargetsResult:
+        """Compares what the files of each target leave of the errors of the machine.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``poses``: Number of poses of the volume.
+        * ``seed``: Seed of the poses.
+        * ``tool_poses``: A file of tool poses: CSV or APT CL data.
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: Motion that the part's set-up takes out; by default the zero at the part's origin.
+        """
+        options: dict[str, Any] = {
+            "poses": poses,
+            "seed": seed,
+            "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
+        }
+        found = call("compare_targets", [self._native], options, threads=threads, progress=progress)
+        return TargetsResult(found)
 
     def compile(
         self,

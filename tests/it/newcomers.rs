@@ -240,7 +240,7 @@ fn a_workbook_a_report_as_pdf_and_a_maker_are_answered() {
     assert!(code == 2 && message.contains("name it .html") && !page.exists(), "{message}");
     let (code, message) = refused(&["targets", "siemens"]);
     assert!(code == 1 && message.contains("`sinumerik-cec`") && !message.contains("`klipper`"), "{message}");
-    let machine = folder.with("c.yaml", &format!("{}provenance: {{ class: commodity }}\n", FIVE_AXES));
+    let machine = folder.with("c.yaml", &format!("{FIVE_AXES}class: commodity\n"));
     let (_, message) = refused(&["check", text(&machine)]);
     assert!(message.contains("W0413") && message.contains("has no tolerances of rotary axes"), "{message}");
 }

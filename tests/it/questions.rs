@@ -70,7 +70,7 @@ fn geometry_is_questioned() {
         ("[0 mm, 500 mm]", "[0 in, 20 in]", "W0413", "`axes.C.origin` has 250 without a unit, which is mm"),
         (
             "[250, 225, -380] }\nerrors",
-            "[250, 900, -380] }\nup: [0, 1, 0]\nerrors",
+            "[250, 600, -380] }\nup: [0, 1, 0]\nerrors",
             "W0413",
             "below the workpiece origin along `up`",
         ),

@@ -611,6 +611,7 @@ class MeasureFields(Record):
     machine: Annotated[str, "Name of the machine."]
     controller: Annotated[str, "The controller."]
     certainty: Annotated[str, "The certainty of the syntax, in a word."]
+    start: Annotated[Named[float], "Positions of the axes (mm, deg) from which the program starts: high above all balls."]
     sets: Annotated[list[MeasuredSet], "The sets in their order."]
     checked: Annotated[str, "Sizes of balls, stems and probe of which the moves keep clear, in words."]
     touches: Annotated[int, "Number of touches that are logged."]

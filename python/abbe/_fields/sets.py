@@ -9,6 +9,42 @@ from .deviations import Bands, Over, Summary
 from .machines import DiffFields
 
 
+class CertifiedFigures(Record):
+    """Figures of a certificate: statistics of a field over poses."""
+
+    position_um: Annotated[Summary, "Deviation of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Rotation of the tool, urad."]
+    tool_axis_urad: Annotated[Summary, "Tilt of the tool axis, urad."]
+
+
+class TargetResidual(Record):
+    """What the files of a target leave."""
+
+    target: Annotated[str, "Its name; of kinematic parameters with tables for what they leave ``A+B``."]
+    expresses: Annotated[str, "What it corrects, in words."]
+    syntax: Annotated[list[str], "Certainty of the format of each, in a word."]
+    over: Annotated[Over, "Poses and reference of the figures."]
+    uncompensated: Annotated[CertifiedFigures, "Without the files."]
+    compensated: Annotated[CertifiedFigures, "With the files."]
+    remarks: Annotated[list[str], "What was said of the files, such as that the scale in force is not known."]
+
+
+class RefusedTarget(Record):
+    """A target that has no files for a machine."""
+
+    target: Annotated[str, "Its name."]
+    code: Annotated[str, "Code of the diagnostic."]
+    why: Annotated[str, "The reason."]
+
+
+class TargetsFields(Record):
+    """The targets that are for a machine, the one that leaves least first, and those that are not."""
+
+    machine: Annotated[str, "Name of the machine."]
+    targets: Annotated[list[TargetResidual], "Those with files for the machine."]
+    refused: Annotated[list[RefusedTarget], "Those without."]
+
+
 class ReferenceShift(Record):
     """Displacement of the reference."""
 
@@ -25,14 +61,6 @@ class RaisedFigure(Record):
     figure: Annotated[str, "Name of the figure."]
     before_um: Annotated[float, "Its value without the files, um."]
     after_um: Annotated[float, "Its value with the files, um."]
-
-
-class CertifiedFigures(Record):
-    """Figures of a certificate: statistics of a field over poses."""
-
-    position_um: Annotated[Summary, "Deviation of the functional point, um."]
-    rotation_urad: Annotated[Summary, "Rotation of the tool, urad."]
-    tool_axis_urad: Annotated[Summary, "Tilt of the tool axis, urad."]
 
 
 class CertifiedError(Record):
