@@ -478,6 +478,13 @@ class Folder(Result):
             path.write_bytes(content)
 
 
+class TargetsResult(_fields.TargetsFields, Result):
+    """What the files of each target leave of a machine's errors. The table has a row for each target."""
+
+    __slots__ = ()
+    _table = "targets"
+
+
 class CompileResult(CertificateResult, Folder):
     """The files of a controller, with their certificate."""
 

@@ -12,7 +12,7 @@ use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::machine::{Axis, Machine};
 use crate::run::{Call, Cancelled, Count, Refused, Reply, Run};
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Options of [`compare_targets`].

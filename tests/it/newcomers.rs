@@ -274,8 +274,9 @@ fn tool_poses_of_another_unit_or_without_directions_are_asked_about() {
         ("X [mm],Y [mm],Z [mm]\n0.05,0.02,0.05\n0.01,0.02,0.06\n", ""),
         ("X,Y,Z,A,C\n0,0,50,-1.57,3.14\n10,0,50,0,1.57\n", "are these radians?"),
         ("X,Y,Z,A,C\n0,0,50,-90,3\n10,0,50,0,2\n", ""),
-        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,1,0,0\n", "no row a direction of the tool"),
-        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,0,0,1\n", ""),
+        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,0,0,-1\n", "no row a direction of the tool"),
+        // A bore, milled by its flank.
+        ("X,Y,Z,NX,NY,NZ\n0,0,50,0,0,1\n10,0,50,1,0,0\n", ""),
     ] {
         let said = says(table).split_whitespace().collect::<Vec<_>>().join(" ");
         match words {

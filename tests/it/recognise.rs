@@ -163,7 +163,7 @@ fn what_content_leaves_open_is_refused() {
     compile(&machine, "linuxcnc-matrixkins", &matrix, &FEW).json();
     std::fs::create_dir_all(&both).unwrap();
     for from in [&tables, &matrix] {
-        for name in names(from).iter().filter(|name| *name != "abbe.lock.json") {
+        for name in set_files(from).iter().filter(|name| *name != "abbe.lock.json") {
             std::fs::copy(from.join(name), both.join(name)).unwrap();
         }
     }

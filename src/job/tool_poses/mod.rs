@@ -187,7 +187,7 @@ fn metres(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diagnost
     Some(Diagnostic::new(codes::W0804, message).at(Some(rows[0].place.clone()), "").help(help))
 }
 
-/// Asks about a part of several sides without directions of the tool: it stands as at the zero pose in all rows.
+/// Asks about a part with an underside and without directions of the tool: it stands as at the zero pose in all rows.
 fn undirected(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diagnostic> {
     let mut rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).map(|axis| axis.name.as_str());
     let is_said = |name: &str| header.iter().any(|cell| cell.trim().to_uppercase().starts_with(name));
@@ -195,8 +195,9 @@ fn undirected(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diag
         return None;
     }
     let axis = into_part(machine, Vector3::from(machine.tool().direction));
-    let aside = rows.iter().find(|row| row.normal.is_some_and(|normal| normal.dot(&axis) < OBLIQUE))?;
-    let message = "the surface has sides, and no row a direction of the tool: it stands as at the zero pose in all";
+    let aside = rows.iter().find(|row| row.normal.is_some_and(|normal| normal.dot(&axis) < -OBLIQUE))?;
+    let message =
+        "the surface has an underside, and no row a direction of the tool: it stands as at the zero pose in all";
     let help = "give I, J, K, from the tip to the spindle, or rotary axes; for one set-up, `0,0,1` in every row";
     Some(Diagnostic::new(codes::W0855, message).at(Some(aside.place.clone()), "").help(help))
 }

@@ -58,7 +58,7 @@ pub fn beyond(
     });
     let help = if let Some(help) = of_other {
         help
-    } else if kind == AxisKind::Linear && 1e3 * (last - first) <= max - min {
+    } else if kind == AxisKind::Linear && last > first && 1e3 * (last - first) <= max - min {
         "each point is [position, value]: are the two exchanged, or positions in metres?".to_owned()
     } else if beyond == Beyond::Refuse {
         "measure the rest or shorten the travel; nothing is extrapolated".to_owned()
