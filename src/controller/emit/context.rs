@@ -325,13 +325,9 @@ impl TableWords<'_> {
     fn scale(&self, table: &CorrectionTable) -> Option<[String; 2]> {
         let own = self.target.manifest.mechanism.own_axis.as_ref()?;
         let (_, in_force) = self.tables.scales.iter().find(|(axis, _)| table.axes[0] == *axis)?;
-        let slope = table.slope_of_line();
-        let now = own.scale.filter(|_| table.is_own_axis())?.stored(*in_force, slope);
+        let now = own.scale.filter(|_| table.is_own_axis())?.stored(*in_force, table.slope_of_line());
         // The one before as it is known: what takes it back must be what was there.
-        let before = in_force.to_string();
-        let unchanged = slope == 0.0;
-        let now = if unchanged { before.clone() } else { decimal_text(now, own.table.increment.correction_decimals) };
-        Some([now, before])
+        Some([decimal_text(now, own.table.increment.correction_decimals), in_force.to_string()])
     }
 
     /// Curves of errors: the constants, and a block for every axis.

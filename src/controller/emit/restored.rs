@@ -1,5 +1,6 @@
 //! Tables that take a set back: those that were in force before, and zeros where there were none.
 
+use super::number::decimal_text;
 use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables};
 use crate::controller::manifest::ControllerTarget;
 
@@ -11,7 +12,7 @@ impl ControllerTarget {
         let same = |a: &CorrectionTable, b: &CorrectionTable| (&a.axes, &a.corrected) == (&b.axes, &b.corrected);
         let back = |table: &CorrectionTable| match old.iter().position(|old| same(old, table)) {
             Some(at) => with_room_of(old.remove(at), table),
-            None => zero(table),
+            None => self.as_scaled(zero(table), &set.scales),
         };
         let mut tables: Vec<CorrectionTable> = set.tables.iter().map(back).collect();
         tables.extend(old.into_iter().cloned());
@@ -20,6 +21,20 @@ impl ControllerTarget {
         let zeros = set.errors.iter().filter(known).map(|curve| zero_curve(curve, old));
         let errors = old.iter().cloned().chain(zeros).collect();
         CorrectionTables { tables, errors, senses: Vec::new(), scales: set.scales.clone() }
+    }
+}
+
+impl ControllerTarget {
+    /// A line that sets the scale of a drive to the one before, with the decimals that the controller has for it.
+    fn as_scaled(&self, mut table: CorrectionTable, scales: &[(usize, f64)]) -> CorrectionTable {
+        let mechanism = &self.manifest.mechanism;
+        let before = scales.iter().find(|(axis, _)| table.axes[0] == *axis).filter(|_| table.is_own_axis());
+        let Some(((own, scale), (_, before))) = mechanism.own_axis.as_ref().zip(mechanism.scale()).zip(before) else {
+            return table;
+        };
+        let written = decimal_text(*before, own.table.increment.correction_decimals).parse();
+        table.set_slope_of_line(written.map_or(0.0, |written: f64| scale.slope(*before, written)));
+        table
     }
 }
 
