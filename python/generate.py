@@ -47,7 +47,9 @@ VERBS = {
         "Returns the location errors that a control's own calibration found, beside those of the machine file.",
         words=("path",),
     ),
-    "compare_targets": Verb("TargetsResult", "Compares what the files of each target leave of the errors of the machine."),
+    "compare_targets": Verb(
+        "TargetsResult", "Compares what the files of each target leave of the errors of the machine."
+    ),
     "compile": Verb("CompileResult", "Compiles the files of a controller, with their certificate.", first=("target",)),
     "verify": Verb(
         "CertificateResult", "Replays the files in a folder, and certifies the residual.", words=("folder",)
@@ -374,7 +376,17 @@ FIELD_MODULES = {
         "measure",
         "figures",
     ),
-    "sets": ("compile", "compare_targets", "verify", "diff_sets", "targets", "testpiece", "record", "record_trend", "check_record"),
+    "sets": (
+        "compile",
+        "compare_targets",
+        "verify",
+        "diff_sets",
+        "targets",
+        "testpiece",
+        "record",
+        "record_trend",
+        "check_record",
+    ),
 }
 
 
