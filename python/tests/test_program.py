@@ -130,9 +130,11 @@ def test_compile_and_verify(program: Any, tmp_path: Path) -> None:
     found = machine(VMC).compile("linuxcnc", poses=300)
     assert found.to_dict() == expected
     found.save(own)
-    assert {file.name: file.read_bytes() for file in own.iterdir()} == {
-        file.name: file.read_bytes() for file in by_program.iterdir()
-    }
+
+    def files(folder: Path) -> dict[str, bytes]:
+        return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    assert files(own) == files(by_program)
     verified = machine(VMC).verify(own, poses=300)
     assert verified.to_dict() == program("verify", VMC, own, "--poses", 300)
     compiled = machine(VMC).compile("grid-csv", poses=300)
