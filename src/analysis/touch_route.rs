@@ -108,7 +108,7 @@ pub struct RouteTouch {
 /// The way of a probe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchRoute {
-    /// Where it begins: high above all balls, rotary axes at 0 or nearest to it.
+    /// Its beginning: high above all balls, rotary axes at 0 or nearest to it.
     pub rest: Pose,
     pub sets: Vec<RouteSet>,
 }

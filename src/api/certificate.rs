@@ -254,7 +254,7 @@ pub struct CertificateReport {
     /// Figures for each form of the tool direction, where the controller transforms.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub programming: Vec<ProgrammingFigures>,
-    /// What a kinematics module asks of the drives while a rotary axis turns and the tip stands on the part.
+    /// Demands of a kinematics module on the drives while a rotary axis turns and the tip stands on the part.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub drives: Vec<DriveDemand>,
     /// Angle from a pole within which a kinematics module bounds rotary corrections, deg.

@@ -1,4 +1,4 @@
-//! What the files of each target leave of the errors of a machine.
+//! Targets compared on a machine: the errors that the files of each leave.
 
 use super::certificate::{CertificateScope, CertifiedWork};
 use super::compile::CompileOptions;
@@ -46,12 +46,12 @@ pub struct TargetComparison {
     pub refused: Vec<RefusedTarget>,
 }
 
-/// What the files of a target leave.
+/// The errors that the files of a target leave.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TargetResidual {
     /// Its name; of kinematic parameters with tables for what they leave `A+B`.
     pub target: String,
-    /// What it corrects, in words.
+    /// Errors that it corrects, in words.
     pub expresses: String,
     /// Certainty of the format of each, in a word.
     pub syntax: Vec<&'static str>,
@@ -61,7 +61,7 @@ pub struct TargetResidual {
     pub uncompensated: Figures,
     /// With the files.
     pub compensated: Figures,
-    /// What was said of the files, such as that the scale in force is not known.
+    /// Warnings of the files, such as that the scale in force is not known.
     pub remarks: Vec<String>,
 }
 

@@ -4,8 +4,8 @@ use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use super::set_part::ComposedPart;
 use crate::compensation::CorrectionTables;
 use crate::controller::{
-    Certificate, ControllerEffect, ControllerTarget, Depth, Level, Limits, Lock, Manifest, NAMES, RenderedFile,
-    TablesUnderTest, certify, certify_kinematics,
+    Certificate, ControllerTarget, Depth, Level, Limits, Lock, Manifest, NAMES, RenderedFile, TablesUnderTest, certify,
+    certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Field;
@@ -176,12 +176,12 @@ fn module(
     call.extend(verdict::warnings(&certificate));
     call.check()?;
     let restored = restore::of_module(call, file, target, &set.module, &set.beside)?;
-    let (alone, none) = (set.module.clone(), CorrectionTables::default());
-    let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    let (words, field) = (options.compensation.module_words(), effect.field(file, target));
-    let mut compiled = assemble(file, target, words, set.rendered, certificate, &*field, scope);
-    let beside = TablesUnderTest { target, tables: &none, installed: None };
-    compiled.certificate = compiled.certificate.with_module(file, &alone, beside);
+    let beside = |tables| TablesUnderTest { target, tables, installed: None };
+    let field = beside(&set.beside).beside(file, &set.module);
+    let words = options.compensation.module_words();
+    let mut compiled = assemble(file, target, words, set.rendered, certificate, &field, scope);
+    let none = CorrectionTables::default();
+    compiled.certificate = compiled.certificate.with_module(file, &set.module, beside(&none));
     compiled.add_restore(file, target, restored, options.installed.is_some());
     Ok(compiled)
 }

@@ -31,12 +31,17 @@ pub(super) struct SetArgs {
 impl SetArgs {
     /// Returns the work of a certificate besides the volume.
     pub(super) fn certified_work(&self) -> CertifiedWork {
-        CertifiedWork {
-            tool_poses: self.tool_poses.tool_poses.clone(),
-            job: self.job.job.clone(),
-            path: self.job.path,
-            reference: self.reference.reference.clone(),
-        }
+        CertifiedWork { reference: self.reference.reference.clone(), ..work_of(&self.tool_poses, &self.job) }
+    }
+}
+
+/// Returns the work that is named, with the reference of the job.
+pub(super) fn work_of(tool_poses: &ToolPosesArg, job: &JobArg) -> CertifiedWork {
+    CertifiedWork {
+        tool_poses: tool_poses.tool_poses.clone(),
+        job: job.job.clone(),
+        path: job.path,
+        ..CertifiedWork::default()
     }
 }
 

@@ -102,21 +102,6 @@ pub(super) fn compose_named(
     Ok(compose(call, machine, targets.0, targets.1, request)?.0)
 }
 
-/// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
-/// certificate. Nothing is written.
-pub(crate) fn effect_of_composed(
-    call: &mut Call,
-    machine: &Machine,
-    targets: &[String],
-    options: &CompensationOptions,
-    depth: Depth,
-) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
-    let composition = compose_named(call, machine, targets, options)?;
-    let (certificate, _) = composition.certify(machine, depth, call)?;
-    let (effect, _) = composition.effect();
-    Ok((composition.both(), effect, certificate))
-}
-
 /// The word by which tables name the parameters that they are beside.
 pub(crate) fn beside(lock: &Lock) -> String {
     let hashes: Vec<&str> = lock.files.iter().map(|file| file.sha256.as_str()).collect();
@@ -172,13 +157,12 @@ fn of_parameters(target: &ControllerTarget) -> Option<bool> {
 /// Returns the built-in targets of one control that go together: parameters and tables. Names of targets begin with
 /// that of the control.
 pub(crate) fn pairs() -> Vec<[&'static str; 2]> {
-    let kind = |name: &str| ControllerTarget::builtin(name).map(|target| of_parameters(&target));
     let control = |name: &'static str| name.split_once('-').map_or(name, |(control, _)| control);
-    let parameters = || NAMES.iter().copied().filter(|name| kind(name) == Some(Some(true)));
-    let tables: Vec<&str> = NAMES.iter().copied().filter(|name| kind(name) == Some(None)).collect();
-    let beside =
-        |first: &'static str| tables.iter().filter(move |of| control(of) == control(first)).map(move |of| [first, *of]);
-    parameters().flat_map(beside).collect()
+    let kinds: Vec<(&str, Option<bool>)> =
+        NAMES.iter().filter_map(|name| Some((*name, of_parameters(&ControllerTarget::builtin(name)?)))).collect();
+    let of_kind = |kind: Option<bool>| kinds.iter().filter(move |of| of.1 == kind).map(|of| of.0);
+    let beside = |first| of_kind(None).filter(move |of| control(of) == control(first)).map(move |of| [first, of]);
+    of_kind(Some(true)).flat_map(beside).collect()
 }
 
 /// The machine that parameters leave to tables.

@@ -1,10 +1,11 @@
 //! ControllerEffect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
+use super::composition::{self, Composition, compose_named};
 use super::found_set::find_set;
 use super::module_set::{self, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
-use super::{composition, verdict};
+use super::verdict;
 use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, TablesUnderTest, certify, certify_kinematics,
 };
@@ -28,27 +29,43 @@ fn render_effect(
     Ok(ControllerEffect::CorrectionTables(table_set::render(call, machine, target, &request, None)?.tables))
 }
 
-/// Returns the effect by the name of a target, or by those of two as [`named_effect`] does, without a certificate.
+/// The files that `compile` would write for a target, or for two.
+enum NamedSet {
+    One(Box<ControllerTarget>, ControllerEffect),
+    Both(Box<Composition>),
+}
+
+/// Returns those of a target by its name, or of two whose names are joined by a plus sign: kinematic parameters and
+/// tables for what they leave.
+fn named_set(
+    call: &mut Call,
+    machine: &Machine,
+    name: &str,
+    options: &CompensationOptions,
+) -> Result<NamedSet, Refused> {
+    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
+    if names.len() > 1 {
+        return Ok(NamedSet::Both(Box::new(compose_named(call, machine, &names, options)?)));
+    }
+    let target = options.target(call, name)?;
+    let effect = render_effect(call, machine, &target, options)?;
+    Ok(NamedSet::One(Box::new(target), effect))
+}
+
+/// Returns the effect of a target by its name, or of two as `A+B`, without a certificate.
 pub(crate) fn uncertified_effect(
     call: &mut Call,
     machine: &Machine,
     name: &str,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, ControllerEffect), Refused> {
-    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
-    if names.len() > 1 {
-        let composition = composition::compose_named(call, machine, &names, options)?;
-        let (effect, _) = composition.effect();
-        return Ok((composition.both(), effect));
-    }
-    let target = options.target(call, name)?;
-    let effect = render_effect(call, machine, &target, options)?;
-    call.check()?;
-    Ok((target, effect))
+    Ok(match named_set(call, machine, name, options)? {
+        NamedSet::One(target, effect) => (*target, effect),
+        NamedSet::Both(set) => (set.both(), set.effect().0),
+    })
 }
 
-/// Returns the effect of a target by its name, or of two whose names are joined by a plus sign: kinematic parameters
-/// and tables for what they leave.
+/// Returns the same with the certificate.
 pub(crate) fn named_effect(
     call: &mut Call,
     machine: &Machine,
@@ -60,12 +77,13 @@ pub(crate) fn named_effect(
         let refusal = Diagnostic::new(codes::E0701, "this build of the library has no controllers");
         return call.refuse(refusal.help("ask the program: abbe map MACHINE --target NAME, or abbe workbench MACHINE"));
     }
-    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
-    if names.len() > 1 {
-        return composition::effect_of_composed(call, machine, &names, options, depth);
-    }
-    let target = options.target(call, name)?;
-    let effect = render_effect(call, machine, &target, options)?;
+    let (target, effect) = match named_set(call, machine, name, options)? {
+        NamedSet::One(target, effect) => (*target, effect),
+        NamedSet::Both(set) => {
+            let (certificate, _) = set.certify(machine, depth, call)?;
+            return Ok((set.both(), set.effect().0, certificate));
+        }
+    };
     let certificate = match &effect {
         ControllerEffect::Module(module, beside) => certify_kinematics(machine, &target, module, beside, depth),
         ControllerEffect::CorrectionTables(tables) => {

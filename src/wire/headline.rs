@@ -228,7 +228,7 @@ pub fn compare(result: &CompareResult) -> String {
     limits + &out_of_reach(result) + &result.verdicts.iter().map(of).collect::<String>()
 }
 
-/// What of a part some machine does not reach: verdicts and figures are without it.
+/// Tool poses of a part that some machine does not reach: verdicts and figures are without them.
 fn out_of_reach(result: &CompareResult) -> String {
     let missed: Vec<String> = (1..)
         .zip(&result.machines)

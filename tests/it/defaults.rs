@@ -3,7 +3,7 @@
 use super::program::{Folder, abbe, json, refused, text};
 
 /// Five axes without a `volume`: the grid of the travels has 21 x 17 x 13 x 13 x 25 nodes, a million and a half.
-const FIVE: &str = "\
+pub(super) const FIVE: &str = "\
 abbe: 1
 machine: Five
 chain: \"w C' A' b X Y Z t\"

@@ -1,5 +1,6 @@
 //! What newcomers type: files without a verb, lists for mappings, one text for one mistake, lines that can be copied.
 
+use super::defaults::FIVE;
 use super::first_hour::typed;
 use super::program::{Folder, available, json, refused, text};
 use std::collections::BTreeMap;
@@ -240,25 +241,10 @@ fn a_workbook_a_report_as_pdf_and_a_maker_are_answered() {
     assert!(code == 2 && message.contains("name it .html") && !page.exists(), "{message}");
     let (code, message) = refused(&["targets", "siemens"]);
     assert!(code == 1 && message.contains("`sinumerik-cec`") && !message.contains("`klipper`"), "{message}");
-    let machine = folder.with("c.yaml", &format!("{FIVE_AXES}class: commodity\n"));
+    let machine = folder.with("c.yaml", &format!("{FIVE}class: commodity\n"));
     let (_, message) = refused(&["check", text(&machine)]);
     assert!(message.contains("W0413") && message.contains("has no tolerances of rotary axes"), "{message}");
 }
-
-/// Five axes of a class of three-axis machines.
-const FIVE_AXES: &str = "\
-abbe: 1
-machine: Five
-chain: \"w C' A' b X Y Z t\"
-axes:
-  X: { travel: [0, 500], origin: [0, 0, 0] }
-  Y: { travel: [0, 400], origin: [0, 0, 0] }
-  Z: { travel: [-300, 0], origin: [0, 0, 0] }
-  A: { travel: [-90, 90], origin: [250, 200, -300] }
-  C: { travel: continuous, origin: [250, 200, -300] }
-tool: { gauge: [0, 0, 0], length: 100 mm }
-workpiece: { origin: [250, 200, -300] }
-";
 
 /// Metres, radians, and sides of a part without directions of the tool.
 #[test]

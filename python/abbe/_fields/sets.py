@@ -18,15 +18,15 @@ class CertifiedFigures(Record):
 
 
 class TargetResidual(Record):
-    """What the files of a target leave."""
+    """The errors that the files of a target leave."""
 
     target: Annotated[str, "Its name; of kinematic parameters with tables for what they leave ``A+B``."]
-    expresses: Annotated[str, "What it corrects, in words."]
+    expresses: Annotated[str, "Errors that it corrects, in words."]
     syntax: Annotated[list[str], "Certainty of the format of each, in a word."]
     over: Annotated[Over, "Poses and reference of the figures."]
     uncompensated: Annotated[CertifiedFigures, "Without the files."]
     compensated: Annotated[CertifiedFigures, "With the files."]
-    remarks: Annotated[list[str], "What was said of the files, such as that the scale in force is not known."]
+    remarks: Annotated[list[str], "Warnings of the files, such as that the scale in force is not known."]
 
 
 class RefusedTarget(Record):
@@ -232,7 +232,7 @@ class CertificateFields(Record):
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
     straight: Annotated[Union[CertifiedFigures, None], "Figures with straight lines between points, where the control has them as an option; ``compensated`` is then with steps, in the worst place of each section."]
     programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
-    drives: Annotated[Union[list[DriveDemand], None], "What a kinematics module asks of the drives while a rotary axis turns and the tip stands on the part."]
+    drives: Annotated[Union[list[DriveDemand], None], "Demands of a kinematics module on the drives while a rotary axis turns and the tip stands on the part."]
     pole_zone_deg: Annotated[Union[float, None], "Angle from a pole within which a kinematics module bounds rotary corrections, deg."]
     ball_checks: Annotated[Union[list[BallCheck], None], "Touches of a ball by which loaded kinematic parameters are checked."]
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]

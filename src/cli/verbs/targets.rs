@@ -3,6 +3,7 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{JobArg, ToolArg, ToolPosesArg};
+use crate::cli::how::work_of;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use abbe::options::CertifiedWork;
@@ -33,8 +34,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(name) = args.name.as_deref().filter(|name| is_file(name)) {
         return compare(session, args, name);
     }
-    let over = [args.job.job.is_some(), args.tool_poses.tool_poses.is_some(), args.job.path.is_some()];
-    if over.contains(&true) || args.tool.name().is_some() {
+    if work_of(&args.tool_poses, &args.job) != CertifiedWork::default() || args.tool.name().is_some() {
         return session.usage("targets are compared for a machine: name its file, `abbe targets MACHINE`");
     }
     let targets = match &args.name {
@@ -55,12 +55,7 @@ fn is_file(name: &str) -> bool {
 
 fn compare(session: &mut Session, args: &Args, machine: &str) -> Outcome {
     let file = session.load(Path::new(machine), args.tool.name())?;
-    let work = CertifiedWork {
-        tool_poses: args.tool_poses.tool_poses.clone(),
-        job: args.job.job.clone(),
-        path: args.job.path,
-        reference: None,
-    };
+    let work = work_of(&args.tool_poses, &args.job);
     let options = CompareTargetsOptions { work, ..CompareTargetsOptions::default() };
     let found = session.take(compare_targets(&file, &options, session.run()))?;
     session.show(&found, || compared_csv(&found), || compared(&found))
@@ -96,7 +91,7 @@ fn compared(of: &TargetComparison) -> String {
     text
 }
 
-/// How sure the format is, of two in one word where it is the same.
+/// Certainty of the format, of two in one word where it is the same.
 fn format_words(syntax: &[&str]) -> String {
     let mut words = syntax.to_vec();
     words.dedup();

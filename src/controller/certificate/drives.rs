@@ -147,7 +147,7 @@ fn along(machine: &Machine, module: &KinematicsModule, start: &Pose, turning: us
     let (min, max) = turn_of(&machine.axes()[turning]);
     let coarse = (0..=COARSE).map(|k| min + (max - min) * f64::from(k) / f64::from(COARSE));
     let step = module.pole_zone_deg().unwrap_or(0.0) * FINE.1 / f64::from(FINE.0);
-    let poles = module.poles(start, turning, (min, max)).into_iter();
+    let poles = module.poles(start, turning, [min, max]).into_iter();
     let fine = poles.flat_map(|pole| (-FINE.0..=FINE.0).map(move |k| pole + step * f64::from(k)));
     let angles = coarse.chain(fine).filter(|q| (min + STEP_DEG..=max - STEP_DEG).contains(q));
     let mut largest = vec![Largest::default(); start.len()];

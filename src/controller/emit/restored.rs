@@ -22,9 +22,7 @@ impl ControllerTarget {
         let errors = old.iter().cloned().chain(zeros).collect();
         CorrectionTables { tables, errors, senses: Vec::new(), scales: set.scales.clone() }
     }
-}
 
-impl ControllerTarget {
     /// A line that sets the scale of a drive to the one before, with the decimals that the controller has for it.
     fn as_scaled(&self, mut table: CorrectionTable, scales: &[(usize, f64)]) -> CorrectionTable {
         let mechanism = &self.manifest.mechanism;

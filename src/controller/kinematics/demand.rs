@@ -64,7 +64,7 @@ impl KinematicsModule {
     }
 
     /// Returns the positions of an axis at which the tool stands along another rotary axis, deg, within an interval.
-    pub fn poles(&self, start: &Pose, turning: usize, (min, max): (f64, f64)) -> Vec<f64> {
+    pub fn poles(&self, start: &Pose, turning: usize, [min, max]: [f64; 2]) -> Vec<f64> {
         let (Self::FullModel(model), Some(_)) = (self, self.pole_zone_deg()) else { return Vec::new() };
         let at = |angle: f64| model.pole_distance(start, turning, angle);
         let count = libm::ceil((max - min) / POLE_SCAN_DEG) as i32;
