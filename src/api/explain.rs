@@ -35,26 +35,27 @@ pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
         .or_else(|| target(topic).ok().map(Explanation::of_target))
         .or_else(|| error_name(topic))
         .or_else(|| word(topic))
-        .ok_or_else(|| {
-            let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
-            let headings: Vec<String> = entries().map(|(heading, _)| heading.to_lowercase()).collect();
-            let known = codes.iter().copied().chain(headings.iter().map(String::as_str)).chain(CLASS_NAMES);
-            let upper = topic.to_uppercase();
-            let near = parse_error_name(&upper).map(|_| upper.as_str()).or_else(|| nearest(topic, known));
-            if let Some(near) = near {
-                let message = format!("`{}` is no code, error name, class, target or word", topic.escape_debug());
-                return Diagnostic::new(codes::E0818, message).help(format!("did you mean `{near}`?"));
-            }
-            let message = format!(
-                "`{}` is no code, error name, class, target or word.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the \
-                 like. Classes: {}. Targets: `abbe targets`.\nWords: {}.",
-                topic.escape_debug(),
-                codes.join(" "),
-                CLASS_NAMES.join(", "),
-                headings.join(", ")
-            );
-            Diagnostic::new(codes::E0818, message)
-        })
+        .ok_or_else(|| unknown(topic))
+}
+
+/// Says what is near an unknown word, or which words there are.
+fn unknown(topic: &str) -> Diagnostic {
+    let message = format!("`{}` is no code, error name, class, target or word", topic.escape_debug());
+    let headings: Vec<String> = entries().map(|(heading, _)| heading.to_lowercase()).collect();
+    let words = headings.iter().flat_map(|heading| parts(heading));
+    let known = CODES.iter().map(|code| code.id).chain(words).chain(CLASS_NAMES);
+    let upper = topic.to_uppercase();
+    let near = parse_error_name(&upper).map(|_| upper.as_str()).or_else(|| nearest(topic, known));
+    let help = match near {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!(
+            "codes as messages print them, E0101 and on; errors EXX .. ECC, EC0Y and the like; classes {}; targets as \
+             `abbe targets` lists them; words: {}",
+            CLASS_NAMES.join(", "),
+            headings.join("; ")
+        ),
+    };
+    Diagnostic::new(codes::E0818, message).help(help)
 }
 
 /// Headings and texts of the glossary.
@@ -62,12 +63,17 @@ fn entries() -> impl Iterator<Item = (&'static str, &'static str)> {
     include_str!("../../docs/words.md").split("\n## ").skip(1).filter_map(|entry| entry.split_once("\n\n"))
 }
 
+/// The words of a heading by which it is found.
+fn parts(heading: &str) -> impl Iterator<Item = &str> {
+    heading.split([' ', ',', '(', ')']).filter(|word| !matches!(*word, "" | "and" | "error" | "point"))
+}
+
 /// An entry of the glossary, by its heading or a word of it.
 fn word(what: &str) -> Option<Explanation> {
     let asked = what.to_lowercase();
     let is_asked = |heading: &str| {
         let heading = heading.to_lowercase();
-        heading == asked || heading.split(' ').any(|word| word == asked && word != "and")
+        heading == asked || parts(&heading).any(|word| word == asked)
     };
     let (heading, text) = entries().find(|(heading, _)| is_asked(heading))?;
     Some(Explanation { topic: heading.to_owned(), text: format!("{heading}\n\n{}", text.trim_end()) })

@@ -8,8 +8,9 @@ use super::verbs::{
     workbench,
 };
 use super::{confined, threads};
+use abbe::text::fold_beside;
 use clap::error::{ContextKind, ContextValue};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
@@ -97,7 +98,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments: Vec<OsString> = arguments.collect();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(message) => return usage(&with_verbs(message)),
+        Err(message) => return usage(&with_options(with_verbs(message), &arguments)),
     };
     if cli.global.template_child {
         confined::limit();
@@ -130,6 +131,25 @@ fn with_verbs(mut message: clap::Error) -> clap::Error {
         let _ = message.remove(ContextKind::SuggestedSubcommand);
         let tip = format!("a verb is before the file: `abbe check {word}`, `abbe workbench {word}`");
         let _ = message.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    message
+}
+
+/// Lists the options of the verb for one that it does not have and that none of its own resembles.
+fn with_options(mut message: clap::Error, arguments: &[OsString]) -> clap::Error {
+    let is_unlike_any = message.kind() == clap::error::ErrorKind::UnknownArgument
+        && message.get(ContextKind::SuggestedArg).is_none();
+    let Some(verb) = arguments.iter().skip(1).find_map(|word| Cli::command().find_subcommand(word).cloned()) else {
+        return message;
+    };
+    if is_unlike_any {
+        let own = verb.get_arguments().filter(|argument| !argument.is_global_set());
+        let names: Vec<String> = own.filter_map(|argument| Some(format!("--{}", argument.get_long()?))).collect();
+        let tip = match names.is_empty() {
+            true => format!("`{}` has no options of its own", verb.get_name()),
+            false => format!("`{}` has {}", verb.get_name(), names.join(" ")),
+        };
+        let _ = message.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![fold_beside(&tip, 7).replace('\n', "\n       ").into()]));
     }
     message
 }

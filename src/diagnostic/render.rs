@@ -11,7 +11,7 @@ use std::ops::Range;
 pub struct Rendering {
     /// True for ANSI colours.
     pub color: bool,
-    /// True for messages and help in lines of 80 columns; lines of files stay as they are.
+    /// True for lines of 80 columns: messages and help are folded, lines of files cut about the place.
     pub folded: bool,
 }
 
@@ -21,7 +21,7 @@ const WIDEST_LINE: usize = 400;
 /// All diagnostics as text, each followed by an empty line; empty if there are none.
 pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = if rendering.color { Renderer::styled() } else { Renderer::plain() };
-    let renderer = renderer.term_width(160);
+    let renderer = renderer.term_width(if rendering.folded { 80 } else { 160 });
     let one = |d: &Diagnostic| renderer.render(&[group(diagnostics, d, rendering.folded)]) + "\n\n";
     let mut text: String = diagnostics.iter().take(MAX_SHOWN).map(one).collect();
     let more = diagnostics.count().saturating_sub(MAX_SHOWN);
@@ -36,6 +36,9 @@ const MAX_SHOWN: usize = 50;
 
 /// Columns in front of a message: `refused[E0604]: `; in front of help are fewer.
 const TAKEN: usize = 16;
+
+/// Longest underlined part of a line where lines are cut: what begins there is seen, what ends it seldom matters.
+const MAX_UNDERLINED: usize = 48;
 
 /// Longest label beside its excerpt.
 const MAX_LABEL: usize = 32;
@@ -102,7 +105,8 @@ fn snippet<'a>(
     folded: bool,
 ) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
     let text = diagnostics.sources.text(source);
-    let ranges: Vec<Range<usize>> = labels.iter().map(|(_, l)| sound(text, &l.place.range)).collect();
+    let most = if folded { MAX_UNDERLINED } else { usize::MAX };
+    let ranges: Vec<Range<usize>> = labels.iter().map(|(_, l)| sound(text, &l.place.range, most)).collect();
     let window = window(text, &ranges);
     let line = text[..window.start].matches('\n').count() + 1;
     let shown = &text[window.clone()];
@@ -115,11 +119,11 @@ fn snippet<'a>(
     Snippet::source(shown).line_start(line).path(diagnostics.sources.name(source)).annotations(annotations)
 }
 
-/// A range within the text, on character boundaries, that ends with its first line.
-fn sound(text: &str, range: &Range<usize>) -> Range<usize> {
+/// A range within the text, on character boundaries, that ends with its first line or `most` bytes from its start.
+fn sound(text: &str, range: &Range<usize>, most: usize) -> Range<usize> {
     let floor = |at: usize| (0..=at.min(text.len())).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0);
     let start = floor(range.start);
-    let end = floor(range.end).max(start);
+    let end = floor(range.end.min(start.saturating_add(most))).max(start);
     let first_line = text[start..end].find(['\n', '\r']).map_or(end, |i| start + i);
     start..first_line
 }

@@ -11,9 +11,27 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     scored.filter(|(d, _)| *d <= limit).min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }
 
-/// Help for an unknown word: the nearest candidate, or all of them.
+/// What other programs and data sheets call what the language has.
+const OTHER_WORDS: [(&str, &[&str]); 7] = [
+    ("tolerances", &["bounds", "limits", "spec", "specification", "accuracy"]),
+    ("travel", &["stroke", "range", "limits", "limit", "min", "max", "soft_limits"]),
+    ("origin", &["pivot", "position", "center", "centre", "point", "location", "offset"]),
+    ("value", &["constant", "const", "size", "amount"]),
+    ("chain", &["kinematics", "structure", "topology", "axes_order", "order", "sequence"]),
+    ("machine", &["name", "title", "model"]),
+    ("forward", &["backlash", "reversal", "positive"]),
+];
+
+/// The candidate that the field calls by another word.
+fn other_word<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    let word = key(word);
+    let meant = OTHER_WORDS.iter().filter(|(_, others)| others.contains(&word.as_str()));
+    meant.flat_map(|(ours, _)| candidates.iter().find(|c| *c == ours).copied()).next()
+}
+
+/// Help for an unknown word: the nearest candidate, the one that means it, or all of them.
 pub fn did_you_mean(word: &str, candidates: &[&str]) -> String {
-    match nearest(word, candidates.iter().copied()) {
+    match nearest(word, candidates.iter().copied()).or_else(|| other_word(word, candidates)) {
         Some(near) => format!("did you mean `{}`?", shown(near)),
         None if candidates.is_empty() => "remove it".to_owned(),
         None => format!(
@@ -37,5 +55,12 @@ mod tests {
         assert_eq!(nearest("travle", ["travel", "tool"]), Some("travel"));
         assert_eq!(nearest("dirction", ["direction", "origin"]), Some("direction"));
         assert_eq!(nearest("gauge", ["travel", "tool"]), None);
+    }
+
+    #[test]
+    fn words_of_data_sheets_are_known_where_they_fit() {
+        assert_eq!(did_you_mean("stroke", &["travel", "origin"]), "did you mean `travel`?");
+        assert_eq!(did_you_mean("limits", &["errors", "tolerances"]), "did you mean `tolerances`?");
+        assert_eq!(did_you_mean("stroke", &["errors", "tool"]), "known here: `errors`, `tool`");
     }
 }

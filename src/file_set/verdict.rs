@@ -35,8 +35,16 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let lessens =
         lessened(&before.position_um, &after.position_um) || lessened(&before.tool_axis_urad, &after.tool_axis_urad);
     if certificate.strongest.is_none() && !lessens {
-        let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
-         a lattice, such as grid-csv, corrects errors that depend on several axes";
+        let help = match before.position_um.max == 0.0 && before.rotation_urad.max == 0.0 {
+            true => {
+                "no error of the machine has a value: loaded, these zeros take away what is in force. Give values, \
+                 measured or by `abbe identify`; bounds are no values"
+            }
+            false => {
+                "no error of this machine is within the target's reach, or the files hold nothing: a target with a \
+                 lattice, such as grid-csv, corrects errors that depend on several axes"
+            }
+        };
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
     } else if let Some(words) = raise_remark(&certificate.raised) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));

@@ -3,7 +3,7 @@
 use super::reference::{Reference, ReferenceKind};
 use super::tool_poses::{ReachedToolPoses, ToolPoses};
 use crate::machine::Machine;
-use crate::units::fold;
+use crate::units::{counted, fold};
 
 /// What poses are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
@@ -86,12 +86,12 @@ impl Over {
     pub fn line(&self) -> String {
         let of = match self.kind {
             OverKind::Volume if self.reached < self.poses => {
-                format!("the volume, {} poses, {} reached", self.poses, self.reached)
+                format!("the volume, {}, {} reached", counted(self.poses, "pose"), self.reached)
             }
-            OverKind::Volume => format!("the volume, {} poses", self.poses),
+            OverKind::Volume => format!("the volume, {}", counted(self.poses, "pose")),
             OverKind::Job => {
                 let path = if self.path { "one path" } else { "single poses" };
-                format!("a job of {} tool poses, {} reached, {path}", self.poses, self.reached)
+                format!("a job of {}, {} reached, {path}", counted(self.poses, "tool pose"), self.reached)
             }
         };
         let tool = if self.tool.is_empty() { "that of the file" } else { &self.tool };

@@ -15,6 +15,7 @@ use super::files::{JSON_NAME, RecordFiles};
 use super::page::{RecordPictures, record_page, record_pictures};
 use super::promise::promised;
 use super::sign::{SIGNATURE_NAME, Signer};
+use crate::controller::Lock;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
 use crate::run::{Call, Refused, finite};
@@ -223,6 +224,37 @@ fn instruments(
     Ok(all)
 }
 
+/// Copies the certificate that `compile` printed of a set.
+fn compiled(
+    call: &mut Call,
+    source: &Line,
+    base: &Path,
+    lock: &Lock,
+    files: &mut RecordFiles,
+) -> Result<Value, Refused> {
+    let (_, bytes) = files.copy(call, base, source, "certificates")?;
+    let compile = document(call, source, &bytes)?;
+    let help = "write it with `abbe compile ... --format json`";
+    if compile.pointer("/compensated/position_um/p95").is_none_or(|p95| !p95.is_number()) {
+        return call.refuse(unfit(format!("`{source}` is no certificate of `compile`"), help));
+    }
+    if compile["target"].as_str() != Some(&lock.target) {
+        let target = shown(compile["target"].as_str().unwrap_or_default());
+        let message = format!("`{source}` is the certificate of a set for `{target}`, the set is for `{}`", lock.target);
+        return call.refuse(unfit(message, help));
+    }
+    Ok(compile)
+}
+
+/// True unless two certificates over the same number of poses of the volume state different deviations without files.
+fn is_of_same_errors(compile: &Value, verified: &Value) -> bool {
+    let is_alike = |key: &str| compile.pointer(key) == verified.pointer(key);
+    let p95 = |of: &Value| of.pointer("/uncompensated/position_um/p95").and_then(Value::as_f64);
+    let (Some(stated), Some(found)) = (p95(compile), p95(verified)) else { return true };
+    !(is_alike("/poses") && is_alike("/over/kind") && is_alike("/direction") && is_alike("/tool"))
+        || (stated - found).abs() <= 1e-6 * found.max(1e-3)
+}
+
 /// Copies a set, and verifies it if it is installed.
 fn set(
     call: &mut Call,
@@ -236,18 +268,7 @@ fn set(
     let path = base.join(entry.folder.as_str());
     let folder = format!("sets/{number}");
     let (lock, copied) = files.set(call, &path, &folder)?;
-    let compile = match &entry.compile {
-        None => None,
-        Some(source) => {
-            let (_, bytes) = files.copy(call, base, source, "certificates")?;
-            let compile = document(call, source, &bytes)?;
-            if compile.pointer("/compensated/position_um/p95").is_none_or(|p95| !p95.is_number()) {
-                let message = format!("`{source}` is no certificate of `compile`");
-                return call.refuse(unfit(message, "write it with `abbe compile ... --format json`"));
-            }
-            Some(compile)
-        }
-    };
+    let compile = entry.compile.as_ref().map(|source| compiled(call, source, base, &lock, files)).transpose()?;
     let at = |name: &Line| base.join(name.as_str());
     let second = entry.second.as_ref().map(|second| SecondFiles {
         data: second.data.iter().map(at).collect(),
@@ -257,6 +278,13 @@ fn set(
     let under_test = SetUnderTest { folder: path, installed: entry.installed.as_ref().map(at), second };
     let machine = states.of(entry.verify_with);
     let verified = (!entry.replaced).then(|| verify(call, machine, under_test)).transpose()?;
+    if let (Some(source), Some(compile), Some(verified)) = (&entry.compile, &compile, &verified) {
+        let is_of_machine = entry.verify_with == StateName::Found && entry.installed.is_none();
+        if is_of_machine && !is_of_same_errors(compile, verified) {
+            let message = format!("`{source}` is the certificate of other errors than those of the machine as found");
+            return call.refuse(unfit(message, "compile the set from `as_found`, and write its document anew"));
+        }
+    }
     Ok(RecordedSet {
         folder,
         installed: !entry.replaced,

@@ -157,7 +157,7 @@ pub fn certificate(report: &CertificateReport) -> String {
         raised(job.raised(), &over) + &ratio
     });
     let part = if report.beyond_measured.is_some() { "measured part of the " } else { "" };
-    let over = format!("over {} poses of the {part}volume", report.poses);
+    let over = format!("over {} of the {part}volume", counted(report.poses, "pose"));
     let left = report.uncertainty.as_ref();
     let (before, after) = (&report.uncompensated.position_um, &report.compensated.position_um);
     measured + &job + &raised(report.raised(), &over) + &ratio(before, after, left, &over)

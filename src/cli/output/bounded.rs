@@ -5,12 +5,12 @@ use abbe::MachineFile;
 use abbe::results::{
     AddedByBounds, BoundedFigures, BoundedLengths, LengthStatistics, MapFromBounds, RssDifference, Statistics,
 };
-use abbe::text::{significant, within};
+use abbe::text::{counted, significant, within};
 use comfy_table::Table;
 
 /// `From bounds: 41 errors, class production; 1000 machines drawn, uniform distribution, seed 1`.
 pub(crate) fn source(of: &BoundedFigures) -> String {
-    format!("From bounds: {} errors{}; {}", of.errors, of.drawing.class_words(), of.drawing.words())
+    format!("From bounds: {}{}; {}", counted(of.errors, "error"), of.drawing.class_words(), of.drawing.words())
 }
 
 /// Explanation of the rows of the statistics.
@@ -79,7 +79,7 @@ pub(crate) fn worst(file: &MachineFile, of: &MapFromBounds) -> String {
 /// Describes the contribution of bounded errors beside measured ones of bounds beside measured errors.
 pub(crate) fn bounded_contribution(of: &AddedByBounds) -> String {
     let [rss, p95] = [of.position_um.rss, of.position_um.p95].map(|x| significant(x, 4));
-    let errors = if of.errors == 1 { "1 error".to_owned() } else { format!("{} errors", of.errors) };
+    let errors = counted(of.errors, "error");
     format!(
         "Not in these figures: {errors} without a value and only bounded. By themselves they make {p95} um (95 % of {} \
          machines drawn, seed {}, largest of {} poses) and {rss} um RSS.\n",

@@ -65,17 +65,16 @@ impl CertificateView<'_> {
 
     fn heading(&self) -> String {
         let what = &self.report.controller.manifest;
-        let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
-            "{}: {}\n{} {files} in {}\n{}Tool: {}\n\nCertificate: {} poses spread over the {}volume, none a table \
+            "{}: {}\n{} in {}\n{}Tool: {}\n\nCertificate: {} spread over the {}volume, none a table \
              point, {}{}\n",
             self.report.machine.name(),
             what.title,
-            self.report.files.len(),
+            counted(self.report.files.len(), "file"),
             self.folder.display(),
             self.restore(),
             tool(&self.report.machine, &self.report.controller),
-            self.report.poses,
+            counted(self.report.poses, "pose"),
             if self.report.beyond_measured.is_some() { "measured part of the " } else { "" },
             self.report.over.reference_words(),
             approached(self.report.direction)
@@ -156,8 +155,8 @@ impl CertificateView<'_> {
             format!("{state} 95 % {p95} um, max {max} um")
         });
         format!(
-            "Measured: {ranges}. At {} poses beyond, where curves go on without a measurement: {}.\n",
-            of.poses,
+            "Measured: {ranges}. At {} beyond, where curves go on without a measurement: {}.\n",
+            counted(of.poses, "pose"),
             rows.join("; ")
         )
     }

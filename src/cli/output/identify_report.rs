@@ -42,7 +42,7 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     keep_words(&mut rows);
     let mut text = abbe::headlines::identify(result);
-    text += &format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
+    text += &format!("{}: fitted to {}\n{rows}\n{}", result.machine, counted(result.points, "point"), fit(result));
     text += &residuals(result);
     text += &groups(result);
     text += &shared_uncertainties(result);

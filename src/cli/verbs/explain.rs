@@ -13,7 +13,10 @@ pub(crate) struct Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match explain(&args.what) {
-        Err(unknown) => session.usage(&unknown.message),
+        Err(unknown) => {
+            let help = unknown.help.map_or_else(String::new, |help| format!(".\n{help}"));
+            session.usage(&(unknown.message + &help))
+        }
         Ok(found) => session.show(&found, || found.text.clone(), || found.text.clone()),
     }
 }

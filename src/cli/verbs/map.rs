@@ -15,7 +15,7 @@ use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{BeyondMeasured, MapFromBounds, MapResult, Statistics};
-use abbe::text::{shown, significant};
+use abbe::text::{counted, shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, PlacementOptions, codes, map_tables, place};
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -177,12 +177,12 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     }
     let mut text = abbe::headlines::map(result);
     text += &format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, {}\n{}{} poses ({})\n{}\n",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, {}\n{}{} ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
         result.degree.map_or_else(|| format!("order {}", result.order), |k| format!("degree {k} in the errors alone")),
         result.over.text(),
-        result.poses,
+        counted(result.poses, "pose"),
         sampling(args, result),
         statistics(result),
     );
@@ -220,12 +220,12 @@ fn beyond_measured(of: &BeyondMeasured) -> String {
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = abbe::headlines::map(result);
     text += &format!(
-        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}{} poses ({}), {} \
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}{} ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
         bounded::source(&of.figures),
         result.over.text(),
-        result.poses,
+        counted(result.poses, "pose"),
         sampling(args, result),
         frame_text(result.frame),
         bounded::statistics(result.poses, &of.figures),

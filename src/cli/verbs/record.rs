@@ -81,10 +81,12 @@ fn record_text(record: &Record, out: &Path) -> String {
     for set in data.sets.iter().filter(|set| set.installed) {
         text += &set.promised.as_ref().map(|of| promise_text(of, &set.target)).unwrap_or_default();
     }
+    // The list of hashes, and what is signed of it, are not in the list, and `--check` does not count them.
+    let listed = record.files.iter().filter(|(name, _)| !name.starts_with("SHA256SUMS")).count();
     let sums = record.files.iter().find(|(name, _)| name == "SHA256SUMS").map(|(_, bytes)| abbe::sets::sha256(bytes));
     text += &format!(
-        "{} in `{}`: print record.html, hand over certificate.xml (DCC 3.2.1)\n{}\nSHA256SUMS {}\n",
-        counted(record.files.len(), "file"),
+        "{} and their hashes in `{}`: print record.html, hand over certificate.xml (DCC 3.2.1)\n{}\nSHA256SUMS {}\n",
+        counted(listed, "file"),
         out.display(),
         data.signature.as_ref().map_or_else(|| "not signed".to_owned(), |of| format!("signed by {}", of.public_key)),
         sums.unwrap_or_default()
