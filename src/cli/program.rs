@@ -137,8 +137,8 @@ fn with_verbs(mut message: clap::Error) -> clap::Error {
 
 /// Lists the options of the verb for one that it does not have and that none of its own resembles.
 fn with_options(mut message: clap::Error, arguments: &[OsString]) -> clap::Error {
-    let is_unlike_any = message.kind() == clap::error::ErrorKind::UnknownArgument
-        && message.get(ContextKind::SuggestedArg).is_none();
+    let is_unlike_any =
+        message.kind() == clap::error::ErrorKind::UnknownArgument && message.get(ContextKind::SuggestedArg).is_none();
     let Some(verb) = arguments.iter().skip(1).find_map(|word| Cli::command().find_subcommand(word).cloned()) else {
         return message;
     };
@@ -149,7 +149,10 @@ fn with_options(mut message: clap::Error, arguments: &[OsString]) -> clap::Error
             true => format!("`{}` has no options of its own", verb.get_name()),
             false => format!("`{}` has {}", verb.get_name(), names.join(" ")),
         };
-        let _ = message.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![fold_beside(&tip, 7).replace('\n', "\n       ").into()]));
+        let _ = message.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![fold_beside(&tip, 7).replace('\n', "\n       ").into()]),
+        );
     }
     message
 }

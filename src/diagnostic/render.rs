@@ -21,7 +21,7 @@ const WIDEST_LINE: usize = 400;
 /// All diagnostics as text, each followed by an empty line; empty if there are none.
 pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = if rendering.color { Renderer::styled() } else { Renderer::plain() };
-    let renderer = renderer.term_width(if rendering.folded { 80 } else { 160 });
+    let renderer = renderer.term_width(if rendering.folded { FOLDED_SOURCE } else { 160 });
     let one = |d: &Diagnostic| renderer.render(&[group(diagnostics, d, rendering.folded)]) + "\n\n";
     let mut text: String = diagnostics.iter().take(MAX_SHOWN).map(one).collect();
     let more = diagnostics.count().saturating_sub(MAX_SHOWN);
@@ -33,6 +33,9 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
 
 /// The first of them: those that follow are of the same kind as a rule.
 const MAX_SHOWN: usize = 50;
+
+/// Columns of a line of a file where text is folded: the number of the line and what is left out stand beside it.
+const FOLDED_SOURCE: usize = 70;
 
 /// Columns in front of a message: `refused[E0604]: `; in front of help are fewer.
 const TAKEN: usize = 16;

@@ -375,6 +375,13 @@ pub const MAX_SCREENED_ROWS: usize = 160;
 pub const SCREENED_ROWS_PER_UNKNOWN: usize = 2;
 /// Residual degrees of freedom below which a change fits by chance.
 pub const MIN_SUSPECT_FREEDOM: f64 = 20.0;
+/// Rows of two runs over the same places from which on they are compared.
+pub const MIN_TURNED_ROWS: usize = 4;
+/// Their correlation from which on one follows the other: of four rows of noise 1 pair in 200 does.
+pub const MIN_TURNED_CORRELATION: f64 = 0.995;
+/// Slopes of one over the other that are asked about: the opposite, and twice. A square that is true leaves 1, one
+/// that is out by a fifth of the machine 0.67 or 1.5.
+pub const TURNED_SLOPES: [std::ops::RangeInclusive<f64>; 2] = [-1.6..=-0.625, 1.6..=2.5];
 /// Rounds in which weights follow the scatter of each component.
 pub const SUSPECT_WEIGHTINGS: usize = 2;
 /// Share of all readings that the common scatter counts for beside those of a component.

@@ -240,7 +240,8 @@ fn compiled(
     }
     if compile["target"].as_str() != Some(&lock.target) {
         let target = shown(compile["target"].as_str().unwrap_or_default());
-        let message = format!("`{source}` is the certificate of a set for `{target}`, the set is for `{}`", lock.target);
+        let message =
+            format!("`{source}` is the certificate of a set for `{target}`, the set is for `{}`", lock.target);
         return call.refuse(unfit(message, help));
     }
     Ok(compile)

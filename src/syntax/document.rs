@@ -493,6 +493,14 @@ impl Document {
         travels.into_iter().any(TravelEntry::is_in_inches)
     }
 
+    /// True if an error or its bound is written in inches.
+    pub fn has_errors_in_inches(&self) -> bool {
+        let values = self.errors.values().flatten().flat_map(|term| [&term.value, &term.tolerance]);
+        let figures = self.tolerances.values().flatten().map(BoundEntry::figure);
+        let figures = figures.flat_map(|of| of.value.into_iter().chain(of.words.into_iter().map(|(_, value)| value)));
+        values.flatten().any(Scalar::is_in_inches) || figures.into_iter().any(|of| of.is_in_inches())
+    }
+
     /// Types every section; what does not fit is reported and left out.
     pub(super) fn from_layer(layer: Layer, diagnostics: &mut Diagnostics) -> Self {
         let mut reader = SectionReader { map: layer.map, places: layer.places, diagnostics };

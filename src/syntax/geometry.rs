@@ -4,7 +4,6 @@ use super::forms::{Forms, deserialize_by_forms};
 use super::places::{Keys, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
-use crate::units;
 use indexmap::IndexMap;
 use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
@@ -34,15 +33,7 @@ pub enum TravelEntry {
 impl TravelEntry {
     /// True if an end is written in inches.
     pub fn is_in_inches(&self) -> bool {
-        let inch = |end: &Scalar| match end {
-            Scalar::Text(text) => {
-                let word = text.trim_end().rsplit(|c: char| !c.is_alphabetic()).next();
-                let inch = units::unit("in").ok();
-                word.and_then(|word| units::unit(word).ok()).is_some_and(|unit| Some(unit) == inch)
-            }
-            Scalar::Number(_) => false,
-        };
-        matches!(self, Self::Range(ends) if ends.iter().any(inch))
+        matches!(self, Self::Range(ends) if ends.iter().any(Scalar::is_in_inches))
     }
 }
 

@@ -1,5 +1,6 @@
 //! A single value as written: a bare number or text such as `12 um`.
 
+use crate::units;
 use std::fmt;
 
 /// A number without, or a text with, a unit.
@@ -17,6 +18,20 @@ impl fmt::Display for Scalar {
         match self {
             Self::Number(number) => write!(f, "{number}"),
             Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+impl Scalar {
+    /// True if it is written in inches.
+    pub fn is_in_inches(&self) -> bool {
+        match self {
+            Self::Text(text) => {
+                let word = text.trim_end().rsplit(|c: char| !c.is_alphabetic()).next();
+                let inch = units::unit("in").ok();
+                word.and_then(|word| units::unit(word).ok()).is_some_and(|unit| Some(unit) == inch)
+            }
+            Self::Number(_) => false,
         }
     }
 }

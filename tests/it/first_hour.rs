@@ -495,12 +495,23 @@ fn words_of_the_glossary_are_explained() {
         let said = abbe(&["explain", heading]);
         assert!(said.starts_with(heading) && said.contains(text.trim()), "{heading}: {said}");
     }
-    for (word, heading) in
-        [("gauge", "Gauge point"), ("zero", "Zero pose"), ("Tip", "Tip"), ("component", "Location and")]
-    {
+    for (word, heading) in [
+        ("gauge", "Gauge point"),
+        ("zero", "Zero pose"),
+        ("Tip", "Tip"),
+        ("component", "Location and"),
+        ("tcp", "Tip"),
+        ("e_ve", "E_VE"),
+        ("tolerance", "Bound"),
+        ("backlash", "Reversal"),
+        ("inch", "Units"),
+    ] {
         assert!(abbe(&["explain", word]).starts_with(heading), "{word}");
     }
     let (code, said) = refused(&["explain", "gouge"]);
-    assert!(code == 2 && said.contains("gauge point"), "{said}");
+    assert!(code == 2 && said.contains("did you mean `gauge`?"), "{said}");
+    let (code, said) = refused(&["explain", "whatever"]);
+    // What there is, in a few lines: not every code.
+    assert!(code == 2 && said.contains("squareness") && said.lines().count() < 10, "{said}");
     assert_eq!(refused(&["explain", "and"]).0, 2);
 }

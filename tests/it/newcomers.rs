@@ -110,6 +110,8 @@ fn a_slip_in_a_machine_file_is_answered_by_what_to_write() {
         (plain, "errors:\n  EC0Y: 2\"\n", "seconds of arc are `arcsec`"),
         (plain, "tolerances: { X-Y: 0.02/500, Y-X: 0.02/500 }\n", "squareness of X and Y is given twice"),
         (plain, "tool_poses: part.csv\n", "a job: give its file by `--job`"),
+        (plain, "bounds: { EXX: 5 um }\n", "did you mean `tolerances`?"),
+        (plain, "errors: { EXX: { constant: 5 um } }\n", "did you mean `value`?"),
     ] {
         let file = folder.with("m.yaml", &three_axes(chain, sections));
         let (code, message) = refused(&["check", text(&file)]);
@@ -269,5 +271,83 @@ fn tool_poses_of_another_unit_or_without_directions_are_asked_about() {
             "" => assert!(!said.contains("W0804") && !said.contains("W0855"), "{table}{said}"),
             words => assert!(said.contains(words), "{table}{said}"),
         }
+    }
+}
+
+#[test]
+fn an_unknown_option_is_answered_by_those_of_the_verb() {
+    let (code, said) = refused(&["map", "--pose", "3", "m.yaml"]);
+    assert!(code == 2 && said.contains("`map` has --random") && !said.contains("as a value"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let (code, said) = refused(&["map", "--randm", "3", "m.yaml"]);
+    assert!(code == 2 && said.contains("'--random'") && !said.contains("`map` has"), "{said}");
+}
+
+#[test]
+fn a_long_line_of_a_file_is_cut_about_the_mistake() {
+    let folder = Folder::new("long-line");
+    let points: Vec<String> = (0..40).map(|i| format!("[{i} mm, {i} um]")).collect();
+    let curve = format!("errors: {{ EXX: {{ points: [{}, [500 mm, nan um]] }} }}\n", points.join(", "));
+    let other = format!("errors: {{ EXX: {{ points: [{}], bogus: 1 }} }}\n", points.join(", "));
+    for (sections, mark) in [(curve, "nan um"), (other, "bogus")] {
+        let file = folder.with("m.yaml", &three_axes("\"w X' Y' b Z t\"", &sections));
+        let (code, said) = refused(&["check", text(&file)]);
+        let quoted = said.lines().any(|line| line.starts_with(char::is_numeric) && line.contains(mark));
+        assert!(code == 1 && quoted && said.contains("^^^^^"), "{said}");
+        assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    }
+}
+
+#[test]
+fn errors_in_inches_beside_bare_travels_are_asked_about() {
+    let folder = Folder::new("bare-inches");
+    let bare = FIVE.replace("[0, 500]", "[0, 20]");
+    let with_units = FIVE.replace("[0, 500]", "[0 mm, 500 mm]").replace("[0, 400]", "[0 mm, 400 mm]");
+    let with_units = with_units.replace("[-300, 0]", "[-300 mm, 0 mm]");
+    for (machine, errors, asks) in [
+        (&bare, "errors: { EXX: 0.0005 in }", true),
+        (&bare, "tolerances: { EXX: { A: 0.0005 in } }", true),
+        (&bare, "tolerances: { EXX: { A: 12 um } }", false),
+    ] {
+        let file = folder.with("m.yaml", &format!("{machine}{errors}\n"));
+        let said = refused(&["check", text(&file)]).1;
+        assert_eq!(said.contains("which is mm; errors of this file are in inches"), asks, "{errors}: {said}");
+    }
+    let file = folder.with("m.yaml", &format!("{with_units}tolerances: {{ EXX: 0.0005 in }}\n"));
+    assert!(!refused(&["check", text(&file)]).1.contains("`axes.X.travel` has"));
+}
+
+#[test]
+fn files_of_zeros_say_what_they_take_away() {
+    let folder = Folder::new("zeros");
+    let file = folder.with("m.yaml", &format!("{FIVE}tolerances: {{ EXX: 5 um }}\n"));
+    let (_, said) = refused(&["compile", text(&file), "--target", "linuxcnc", "--out", text(&folder.file("set"))]);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("no error of the machine has a value: loaded, these zeros take away what is in force"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_square_whose_signs_were_not_turned_is_asked_about() {
+    let folder = Folder::new("square-turned");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", ""));
+    let run = |name: &str, of: &dyn Fn(f64) -> f64| -> String {
+        [0.0, 100.0, 200.0, 300.0].map(|y| format!("{name},{y},{}\n", of(y))).concat()
+    };
+    // 0.2 um/mm of the machine, 0.02 of the square, readings to the micrometre.
+    let (face, turned) = (|y: f64| (0.22 * y).round(), |y: f64| (0.18 * y).round());
+    for (second, words) in [
+        (run("turned", &turned), None),
+        (run("turned", &|y| -turned(y)), Some("is the opposite of that of run `face`")),
+        (run("turned", &|y| 2.0 * turned(y)), Some("is about twice that of run `face`")),
+    ] {
+        let rows = format!("run,Y [mm],rel.dx [um]\n{}{second}", run("face", &face));
+        let data = folder.with("square.csv", &rows);
+        let (_, said) = refused(&["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"]);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.contains("W0520"), words.is_some(), "{said}");
+        assert!(words.is_none_or(|words| said.contains(words)), "{said}");
     }
 }

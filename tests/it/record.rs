@@ -282,9 +282,19 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
         ("remarks: [Synthetic.]", "limits: [{ name: A, figures: none.json, value: /a, unit: um, limit: 1 um }]"),
         ("figures: [figures.json]", "figures: [record.yaml]"),
         ("compile: compile.json", "compile: figures.json"),
+        ("compile: compile.json", "compile: other.json"),
+        ("compile: compile.json", "compile: grid.json"),
         ("folder: tables", "folder: raw"),
     ];
     let (folder, description) = campaign("");
+    // Certificates of another machine, and of another target.
+    folder.write("machine/other.yaml", &MACHINE.replace("-3 um", "-9 um"));
+    let other = [("other", "machine/other.yaml", "linuxcnc"), ("grid", "machine/found.yaml", "grid-csv")];
+    for (name, machine, target) in other {
+        let compiled = compile(&folder.path(machine), target, &folder.path(&format!("tables-{name}")), &[]);
+        compiled.json();
+        folder.write(&format!("{name}.json"), &compiled.out);
+    }
     for (old, new) in cases {
         assert!(DESCRIPTION.contains(old), "{old}");
         folder.write("record.yaml", &DESCRIPTION.replacen(old, new, 1));

@@ -9,7 +9,7 @@ use crate::identify::data::{Measurement, Reading, ReadingKind, rotation_to};
 use crate::lower::{ErrorSite, NominalPose, Source};
 use crate::machine::AxisKind;
 use crate::standards::thermal;
-use crate::units::{self, Dimension};
+use crate::units::{self, Dimension, significant};
 use nalgebra::Vector3;
 
 /// A standard uncertainty that all readings share.
@@ -39,6 +39,12 @@ pub(crate) struct OffsetChannel {
     source: Option<Source>,
 }
 
+/// The widest scale that is taken: above a measuring tape, 0.2 mm/m.
+const WIDEST_SCALE: f64 = 3e-4;
+
+/// The widest offset that is taken, mm.
+const WIDEST_OFFSET: f64 = 1.0;
+
 const HELP: &str = "write a name and a standard uncertainty: `laser 0.4 um/m` (a scale of all lengths), `set-up 2 um` \
                     (the same in every reading), `material 0.5 K x 11.7 um/m/K` (a temperature and an expansion)";
 
@@ -54,8 +60,17 @@ pub fn type_b(words: &str) -> Result<TypeB, Refusal> {
     let Some((name, effect)) = found else {
         return Err(refusal("is no name with a length, a ratio or a temperature times an expansion"));
     };
-    if thermal(&list[name.len()..].join(" ")).is_some_and(|of| !of.is_plausible()) {
-        return Err(refusal("has an expansion or a temperature of no machine: steel has 11.5 um/m/K"));
+    match (thermal(&list[name.len()..].join(" ")), effect) {
+        (Some(of), _) if !of.is_plausible() => {
+            return Err(refusal("has an expansion or a temperature of no machine: steel has 11.5 um/m/K"));
+        }
+        (None, SharedEffect::Scale(ratio)) if ratio > WIDEST_SCALE => {
+            return Err(refusal(&format!("is {} um/m, of no instrument: is um/m meant?", significant(ratio * 1e6, 3))));
+        }
+        (None, SharedEffect::Offset(size)) if size > WIDEST_OFFSET => {
+            return Err(refusal(&format!("is {} mm, of no set-up: is um meant?", significant(size, 3))));
+        }
+        _ => {}
     }
     let (SharedEffect::Scale(size) | SharedEffect::Offset(size)) = effect;
     if size > 0.0 && size.is_finite() {
@@ -143,6 +158,8 @@ mod tests {
         assert!(matches!(scale, SharedEffect::Scale(x) if (x - 5.75e-6).abs() < 1e-18), "{scale:?}");
         for wrong in [
             "",
+            "device 0.5 mm/m",
+            "set-up 2 mm",
             "laser",
             "0.5 um/m",
             "laser 0.5",

@@ -163,11 +163,13 @@ fn point(position: &Option<PositionEntry>) -> Option<&[Scalar]> {
     }
 }
 
-/// Asks about bare numbers, which are mm, of a file whose travels are in inches.
+/// Asks about bare numbers, which are mm, of a file whose travels, or errors, are in inches.
 fn bare_beside_inches(document: &Document, machine: &Machine) -> Option<Diagnostic> {
-    if !document.is_in_inches() {
-        return None;
-    }
+    let what = match (document.is_in_inches(), document.has_errors_in_inches()) {
+        (true, _) => "travels",
+        (false, true) => "errors",
+        (false, false) => return None,
+    };
     let entry = |axis: &Axis| document.axes.get(axis.name.as_str())?.as_ref();
     let linear = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear);
     let ends = linear.filter_map(|axis| match entry(axis)?.travel.as_ref()? {
@@ -191,7 +193,7 @@ fn bare_beside_inches(document: &Document, machine: &Machine) -> Option<Diagnost
     let (at, list) = bare.next()?;
     let number = list.iter().find(|scalar| is_bare(scalar))?;
     let message =
-        format!("`{}` has {number} without a unit, which is mm; travels of this file are in inches", at.join("."));
+        format!("`{}` has {number} without a unit, which is mm; {what} of this file are in inches", at.join("."));
     Some(ask(document, &at, message, "write the unit behind each number, `15 in` or `15 mm`"))
 }
 
