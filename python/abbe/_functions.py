@@ -63,6 +63,6 @@ def schema() -> dict[str, Any]:
     return found
 
 
-def starter(kind: Literal["three-axis", "trunnion", "head-table", "head-head"] = "trunnion") -> str:
+def starter(kind: Literal["three-axis", "vertical-rotary", "trunnion", "head-table", "head-head"] = "trunnion") -> str:
     """Returns the text of a machine file to begin with."""
     return str(json.loads(call("starter", [], {"kind": kind}).json()))

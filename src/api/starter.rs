@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 pub enum Starter {
     /// Three linear axes, C-frame: `w X' Y' b Z t`.
     ThreeAxis,
+    /// Four axes, a rotary table on the table of a vertical mill: `w A' X' Y' b Z t`.
+    VerticalRotary,
     /// Five axes, both rotary ones under the workpiece: `w C' A' Y' b X Z t`.
     #[default]
     Trunnion,
@@ -25,6 +27,7 @@ pub enum Starter {
 pub fn starter(kind: Starter) -> &'static str {
     match kind {
         Starter::ThreeAxis => include_str!("starters/three-axis.yaml"),
+        Starter::VerticalRotary => include_str!("starters/vertical-rotary.yaml"),
         Starter::Trunnion => include_str!("starters/trunnion.yaml"),
         Starter::HeadTable => include_str!("starters/head-table.yaml"),
         Starter::HeadHead => include_str!("starters/head-head.yaml"),
@@ -54,9 +57,10 @@ macro_rules! machines {
 }
 
 /// Machines that `abbe init --from` takes, by kind.
-pub const NAMED_MACHINES: [NamedMachine; 24] = machines! {
+pub const NAMED_MACHINES: [NamedMachine; 25] = machines! {
     "written to be changed, with comments":
         "three-axis" "/src/api/starters/three-axis.yaml",
+        "vertical-rotary" "/src/api/starters/vertical-rotary.yaml",
         "trunnion" "/src/api/starters/trunnion.yaml",
         "head-table" "/src/api/starters/head-table.yaml",
         "head-head" "/src/api/starters/head-head.yaml";

@@ -113,7 +113,7 @@ fn show_prints_what_the_machine_is() {
 #[test]
 fn init_writes_a_machine_that_is_fine_and_never_overwrites() {
     let folder = Folder::new("init");
-    for kind in ["three-axis", "trunnion", "head-table", "head-head"] {
+    for kind in ["three-axis", "vertical-rotary", "trunnion", "head-table", "head-head"] {
         let file = folder.file(&format!("{kind}.yaml"));
         abbe(&["init", "--from", kind, text(&file), "--quiet"]);
         let written = std::fs::read(&file).unwrap();
