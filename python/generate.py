@@ -109,6 +109,9 @@ FOLDERS = {"verify": ("folder",), "diff_sets": ("old", "new"), "locate": ("path"
 #: Verbs whose options have a type of their own, for what hands them on.
 HANDED_ON = ("budget", "enumerate", "identify", "reach")
 
+#: Fields that are `None` where the data do not determine them.
+IF_DETERMINED = ("value", "smallest", "largest")
+
 #: Types that the façade writes as text although most of their values are numbers.
 NUMBERS_AS_TEXT = {"Order": "Union[int, Literal['exact', '1', '2', '3', '4', '5', '6']]"}
 
@@ -464,6 +467,8 @@ class Fields:
         for field, one in schema["properties"].items():
             kind = self.of(one)
             if field not in required and "None" not in split(kind):
+                kind += " | None"
+            if field in IF_DETERMINED and "determined" in schema["properties"]:
                 kind += " | None"
             if field.isidentifier() and not keyword.iskeyword(field) and field not in taken:
                 about = json.dumps(prose(described(one)), ensure_ascii=False)

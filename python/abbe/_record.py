@@ -31,7 +31,11 @@ class Record(Mapping[str, Any]):
         self._value = value
 
     def __getitem__(self, key: str) -> Any:
-        return wrapped(self._value[key], self._types().get(key))
+        kind = self._types().get(key)
+        # The datum made the number, not the data; ``to_dict`` has it.
+        if self._value.get("determined") is False and key in self._value and type(None) in get_args(kind):
+            return None
+        return wrapped(self._value[key], kind)
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_"):

@@ -197,7 +197,7 @@ def readings(machine: abbe.Machine) -> tuple[dict[str, Any], list[str]]:
     read = machine.deviations(poses).position * 1e3 + generator.normal(0, 0.2, (60, 3))
     columns: dict[str, Any] = {f"{name} [mm]": values for name, values in poses.items()}
     columns.update({f"d{letter} [um]": read[:, k] for k, letter in enumerate("xyz")})
-    return columns, ["EC0Y", "EB0Z", "EA0Z"]
+    return columns, ["EC0Y", "EB0Z", "EZ0X"]
 
 
 def test_measurements_from_memory(program: Any, tmp_path: Path) -> None:
@@ -261,3 +261,20 @@ def test_types_of_results() -> None:
     assert isinstance(found.worst[0].axes, abbe.Named) and found.worst[0].axes["X"] == found.worst[0].axes.X
     restored = pickle.loads(pickle.dumps(found))
     assert restored.worst[0] == found.worst[0] and isinstance(restored.worst[0].axes, abbe.Named)
+
+
+def test_values_that_the_data_do_not_hold_are_none() -> None:
+    machine = abbe.load(VMC)
+    rng = np.random.default_rng(3)
+    columns: dict[str, Any] = {f"{name} [mm]": rng.uniform(0, 100, 12) for name in "XY"}
+    columns["Z [mm]"] = np.full(12, -200.0)
+    columns |= {f"rel.d{letter} [um]": np.append(0, rng.normal(0, 1, 11)) for letter in "xyz"}
+    # Readings less the first know no constant.
+    fit = machine.identify(columns, fit=["EC0Y", "EZ0X"], accept=["undetermined"])
+    found = {parameter.name: parameter for parameter in fit.parameters}
+    assert found["EC0Y"].determined and found["EC0Y"].value is not None
+    free = found["EZ0X"]
+    assert not free.determined and free.value is None and free["value"] is None and free.sigma is None
+    assert {row["name"]: row["value"] for row in fit.to_dict()["parameters"]}["EZ0X"] == pytest.approx(0.0, abs=50)
+    errors = {error.error: error for error in fit.errors}
+    assert errors["EZ0X"].largest is None and errors["EC0Y"].largest is not None

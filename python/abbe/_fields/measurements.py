@@ -87,7 +87,8 @@ class FittedParameter(Record):
     """A parameter with its value."""
 
     name: Annotated[str, "Name such as ``EX0C``."]
-    value: Annotated[float, "Value, in ``unit``."]
+    value: Annotated[Union[float, None], "Value, in ``unit``."]
+    determined: Annotated[bool, "False if the readings leave the value free: it is then what the datum makes of it, as a rule 0."]
     sigma: Annotated[Union[float, None], "Combined standard uncertainty, in ``unit``; none if the data leave the value free or nothing scatters."]
     type_a: Annotated[Union[float, None], "The part of it that the scatter of the readings makes, as if each were independent (type A)."]
     lack_of_fit: Annotated[float, "The part of it that the form of the axes makes, which readings near each other share."]
@@ -255,8 +256,9 @@ class FittedError(Record):
     """A fitted error over the travel of its axis."""
 
     error: Annotated[str, "ISO name."]
-    smallest: Annotated[float, "Smallest value, in ``unit``."]
-    largest: Annotated[float, "Largest value, in ``unit``; that of a location error is its only one."]
+    smallest: Annotated[Union[float, None], "Smallest value, in ``unit``."]
+    largest: Annotated[Union[float, None], "Largest value, in ``unit``; that of a location error is its only one."]
+    determined: Annotated[bool, "False if the readings leave one of its parameters free."]
     sigma: Annotated[Union[float, None], "Largest standard uncertainty, in ``unit``; none if the data leave the error free somewhere."]
     unit: Annotated[str, "``um`` or ``urad``."]
 
@@ -311,7 +313,7 @@ class MonomialCoefficient(Record):
     """The coefficient of a monomial."""
 
     monomial: Annotated[str, "Name such as ``EX0C`` or ``EA0C*EB0C``."]
-    value: Annotated[float, "Value, in ``unit``."]
+    value: Annotated[Union[float, None], "Value, in ``unit``."]
     unit: Annotated[str, "Unit of the value."]
     sigma: Annotated[Union[float, None], "Standard uncertainty, in ``unit``, by the pseudo-inverse and what is left of the readings; none without readings to spare. Of a coefficient that the data do not tell from others it is that of the shortest answer."]
     determined: Annotated[bool, "True if the data tell it from the others: it is free of the null space, and the others make its uncertainty no more than ten times what it would be without them."]

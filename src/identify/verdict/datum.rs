@@ -3,7 +3,7 @@
 use super::fitted::FitDiagnosis;
 use crate::analysis::LocationSet;
 use crate::identify::thresholds::ERROR_SITES;
-use crate::identify::{DatumConditions, Parameter, largest_uncertainty};
+use crate::identify::{DatumConditions, Estimate, Parameter, largest_uncertainty};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Machine};
 use crate::syntax::IdentifyEntry;
@@ -18,6 +18,8 @@ pub struct FittedError {
     pub smallest: f64,
     /// Largest value, in `unit`; that of a location error is its only one.
     pub largest: f64,
+    /// False if the readings leave one of its parameters free.
+    pub determined: bool,
     /// Largest standard uncertainty, in `unit`; none if the data leave the error free somewhere.
     pub sigma: Option<f64>,
     /// `um` or `urad`.
@@ -65,5 +67,8 @@ fn error(fitted: &FitDiagnosis<'_>, source: Source) -> Option<FittedError> {
     let (factor, unit) = source.direction.micro();
     let sigma = largest_uncertainty(machine, own, &fitted.solution, source).map(|(sigma, _)| sigma * factor);
     let (smallest, largest) = (smallest * factor + 0.0, largest * factor + 0.0);
-    Some(FittedError { error: id.to_string(), smallest, largest, sigma, unit: unit.to_owned() })
+    let is_free =
+        |(p, of): (&Parameter, &Estimate)| p.terms.iter().any(|t| t.source == source) && of.observability == 0.0;
+    let determined = !own.iter().zip(&fitted.solution.estimates).any(is_free);
+    Some(FittedError { error: id.to_string(), smallest, largest, determined, sigma, unit: unit.to_owned() })
 }

@@ -31,6 +31,8 @@ pub struct FittedParameter {
     pub name: String,
     /// Value, in `unit`.
     pub value: f64,
+    /// False if the readings leave the value free: it is then what the datum makes of it, as a rule 0.
+    pub determined: bool,
     /// Combined standard uncertainty, in `unit`; none if the data leave the value free or nothing scatters.
     pub sigma: Option<f64>,
     /// The part of it that the scatter of the readings makes, as if each were independent (type A).
@@ -53,6 +55,7 @@ impl FittedParameter {
         Self {
             name: parameter.name.clone(),
             value: parameter.in_unit(estimate.value) + 0.0,
+            determined: estimate.observability > 0.0,
             sigma: estimate.sigma.map(|sigma| parameter.in_unit(sigma)),
             type_a: estimate.scatter.map(|sigma| parameter.in_unit(sigma)),
             lack_of_fit: parameter.in_unit(estimate.form),
