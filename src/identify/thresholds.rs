@@ -375,7 +375,7 @@ pub const MAX_SCREENED_ROWS: usize = 160;
 pub const SCREENED_ROWS_PER_UNKNOWN: usize = 2;
 /// Residual degrees of freedom below which a change fits by chance.
 pub const MIN_SUSPECT_FREEDOM: f64 = 20.0;
-/// Rows of two runs over the same places from which on they are compared.
+/// Rows of a run from which on it is compared with another one, or with its first row.
 pub const MIN_TURNED_ROWS: usize = 4;
 /// Their correlation from which on one follows the other: of four rows of noise 1 pair in 200 does.
 pub const MIN_TURNED_CORRELATION: f64 = 0.995;

@@ -353,3 +353,19 @@ fn a_square_whose_signs_were_not_turned_is_asked_about() {
         assert!(words.is_none_or(|words| said.contains(words)), "{said}");
     }
 }
+
+#[test]
+fn relative_readings_in_columns_of_whole_ones_are_asked_about() {
+    let folder = Folder::new("whole-or-relative");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", ""));
+    let rows = |first: f64| -> String {
+        let run =
+            |name: &str| [0.0, 100.0, 200.0, 300.0].map(|y: f64| format!("{name},{y},{}\n", first + (0.2 * y).round()));
+        run("a").concat() + &run("b").concat()
+    };
+    for (column, first, asks) in [("dx [um]", 0.0, true), ("dx [um]", 3.0, false), ("rel.dx [um]", 0.0, false)] {
+        let data = folder.with("square.csv", &format!("run,Y [mm],{column}\n{}", rows(first)));
+        let (_, said) = refused(&["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"]);
+        assert_eq!(said.contains("every run begins with zeros"), asks, "{column} {first}: {said}");
+    }
+}

@@ -6,7 +6,7 @@
 //! - [`datum`]: the conditions of its datum, and every fitted error in it;
 //! - [`accused`]: what is left by groups of readings, and changes of the data that explain it;
 //! - [`limits`]: sizes of errors and uncertainties that follow from the readings;
-//! - [`turned`]: two runs of which one is the other with another sign, or doubled;
+//! - [`runs`]: runs of which one is the other with another sign, or doubled, and readings that are all relative;
 //! - [`resting`]: a point of the machine file with which balls that rest would wander;
 //! - [`result`]: the fit as a value; [`remarks`]: its warnings; [`advice`]: what may be fixed.
 
@@ -23,4 +23,4 @@ pub(crate) mod provenance;
 pub(crate) mod remarks;
 pub(crate) mod resting;
 pub(crate) mod result;
-pub(crate) mod turned;
+pub(crate) mod runs;

@@ -5,7 +5,7 @@ use super::fitted::FitDiagnosis;
 use super::limits;
 use super::resting;
 use super::result::{KnownValue, place};
-use super::turned;
+use super::runs;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::data::LEVER_MM;
 use crate::identify::thresholds::*;
@@ -30,7 +30,8 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         refuted(fitted),
         idle_type_b(fitted),
         resting::wandering(fitted),
-        turned::turned(fitted),
+        runs::turned(fitted),
+        runs::relative(fitted),
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),

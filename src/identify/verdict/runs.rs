@@ -1,10 +1,13 @@
-//! Two runs over the same places, such as those of a square and of the square turned over, one of which reads the
-//! opposite of the other or its double: in a handful of readings no likelihood tells it, but the eye does.
+//! Runs that were written down in another way than they were read.
+//!
+//! - [`turned`]: of two runs over the same places, such as those of a square and of the square turned over, one reads
+//!   the opposite of the other or its double: in a handful of readings no likelihood tells it, but the eye does;
+//! - [`relative`]: every run begins with zeros, as readings less the first do, in columns of whole deviations.
 
 use super::fitted::FitDiagnosis;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::identify::thresholds::{MIN_SUSPECT_FREEDOM, MIN_TURNED_CORRELATION, MIN_TURNED_ROWS, TURNED_SLOPES};
-use crate::identify::{COMPONENTS, Measurement};
+use crate::identify::{COMPONENTS, Measurement, Reading};
 use std::collections::BTreeMap;
 
 const OPPOSITE: &str = "a square that is turned over changes the sign of its readings: was it written down so? If it \
@@ -17,10 +20,7 @@ pub(crate) fn turned(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     if fitted.solution.degrees_of_freedom as f64 >= MIN_SUSPECT_FREEDOM {
         return None;
     }
-    let mut runs: BTreeMap<&str, Vec<&Measurement>> = BTreeMap::new();
-    for m in fitted.data {
-        runs.entry(m.run.as_deref()?).or_default().push(m);
-    }
+    let runs = by_name(fitted);
     let names: Vec<&str> = runs.keys().copied().collect();
     let pairs =
         names.iter().enumerate().flat_map(|(i, first)| names[i + 1..].iter().map(move |second| (*first, *second)));
@@ -38,6 +38,40 @@ pub(crate) fn turned(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
         let message = format!("{component} of run `{second}` is {what} that of run `{first}`, place by place");
         Some(Diagnostic::new(codes::W0520, message).help(help))
     })
+}
+
+/// Returns the rows of each run that has a name, in the order of the data.
+fn by_name<'a>(fitted: &'a FitDiagnosis<'_>) -> BTreeMap<&'a str, Vec<&'a Measurement>> {
+    let mut runs: BTreeMap<&str, Vec<&Measurement>> = BTreeMap::new();
+    for m in fitted.data {
+        runs.entry(m.run.as_deref().unwrap_or_default()).or_default().push(m);
+    }
+    runs
+}
+
+/// Asks about whole deviations that all runs begin with zeros.
+pub(crate) fn relative(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let is_whole = |m: &&&Measurement| matches!(m.reading, Reading::Deviation { zero: [None, None, None], .. });
+    let runs = by_name(fitted);
+    let mut zeros = 0;
+    for rows in runs.values() {
+        let whole: Vec<&&Measurement> = rows.iter().filter(is_whole).collect();
+        let (first, rest) = whole.split_first()?;
+        let read = first.reading_mask();
+        let begins = (0..3).filter(|k| read[*k]).all(|k| first.values()[k] == 0.0);
+        let goes_on = rest.iter().filter(|m| m.values() != nalgebra::Vector3::zeros()).count();
+        if !begins || goes_on + 1 < MIN_TURNED_ROWS {
+            return None;
+        }
+        zeros += read.iter().filter(|read| **read).count();
+    }
+    let message = format!(
+        "{} with zeros: are the readings less the first of their run?",
+        if runs.len() == 1 { "the readings begin" } else { "every run begins" }
+    );
+    let help = "such readings are `rel.dx [um]`; `dx [um]` is actual minus nominal of every reading by itself";
+    // A single zero is a rounded reading.
+    (zeros > 1).then(|| Diagnostic::new(codes::W0520, message).help(help))
 }
 
 /// Returns how much a component of one run rises where that of another rises by one; `None` unless both were read at
