@@ -53,6 +53,10 @@ pub struct ComparedVerdict {
     /// Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 %
     /// confidence.
     pub minus_first: PairedDifference,
+    /// The same with the other machine's bounds for what only one of them bounds: like with like. None where both
+    /// bound the same errors, and without a verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minus_first_alike: Option<PairedDifference>,
     /// The reason why there is no verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withheld: Option<WithheldVerdict>,
@@ -83,6 +87,8 @@ pub struct ComparedBudget {
     pub errors: usize,
     /// Number of these that the class bounds; the machine file bounds the others.
     pub errors_by_class: usize,
+    /// Number of errors that act and have neither a value nor a bound.
+    pub unbounded: usize,
     /// The position deviation, um.
     pub position_um: DeviationBudget,
     /// The rotation of the tool, urad.
@@ -157,6 +163,7 @@ impl ComparedBudget {
         Self {
             errors: bounds.len(),
             errors_by_class: bounds.iter().filter(|bound| bound.of_class).count(),
+            unbounded: Coverage::of(machine, bounds).missing.len(),
             left_out: known(machine) - with_values.map_or(0, |of| of.errors),
             position_um: DeviationBudget::new(machine, &own.position),
             rotation_urad: DeviationBudget::new(machine, &own.rotation),
@@ -326,20 +333,28 @@ impl Compared<'_> {
         for (i, VersusFirst { verdict, minus_first }) in (1..).zip(versus) {
             let decided = matches!(verdict, Verdict::Better | Verdict::Worse);
             let complete = [0, i].iter().all(|side| coverages[*side].missing.is_empty());
-            let withheld = if decided && !complete { self.withhold(call, &coverages, i, verdict)? } else { None };
-            verdicts.push(ComparedVerdict { verdict: withheld.is_none().then_some(verdict), minus_first, withheld });
+            let mut own =
+                ComparedVerdict { verdict: Some(verdict), minus_first, minus_first_alike: None, withheld: None };
+            if decided && !complete {
+                match self.alike(call, &coverages, i, verdict)? {
+                    Ok(alike) => own.minus_first_alike = alike,
+                    Err(withheld) => (own.verdict, own.withheld) = (None, Some(withheld)),
+                }
+            }
+            verdicts.push(own);
         }
         Ok(verdicts)
     }
 
-    /// Returns why the verdict on a machine does not stand, if it does not.
-    fn withhold(
+    /// Returns the difference with the other machine's bounds for what only one of them bounds, if there is such an
+    /// error, or why the verdict does not stand.
+    fn alike(
         &self,
         call: &Call<'_>,
         coverages: &[Coverage],
         index: usize,
         verdict: Verdict,
-    ) -> Result<Option<WithheldVerdict>, Refused> {
+    ) -> Result<Result<Option<PairedDifference>, WithheldVerdict>, Refused> {
         let of_machine = self.sources.iter().flatten().map(|(name, _)| name.as_str()).next();
         let machines: Vec<&Machine> = self.sides.iter().map(|(machine, _)| *machine).collect();
         let (name, class) = stand_in(of_machine, &machines);
@@ -355,7 +370,12 @@ impl Compared<'_> {
         let whole = [fill(None)?, fill(class.as_ref())?];
         let sign = if verdict == Verdict::Better { -1.0 } else { 1.0 };
         if whole.iter().all(|whole| sign * whole.minus_first.value > 0.0) {
-            return Ok(None);
+            let is_filled = |side: usize, other: usize| {
+                let own = &self.bounds[side];
+                coverages[side].fill(self.sides[side].0, own, &self.bounds[other], None).len() > own.len()
+            };
+            let differ = is_filled(index, 0) || is_filled(0, index);
+            return Ok(Ok(differ.then(|| whole[0].minus_first)));
         }
         let lacks = |side: usize| {
             let (missing, acting) = (coverages[side].missing.len(), coverages[side].acting());
@@ -369,7 +389,7 @@ impl Compared<'_> {
             lacks(0),
             lacks(index)
         );
-        Ok(Some(WithheldVerdict {
+        Ok(Err(WithheldVerdict {
             reason,
             as_bounded: verdict,
             missing_first: coverages[0].missing.clone(),

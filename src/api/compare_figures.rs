@@ -69,6 +69,8 @@ pub struct JudgedDifference {
     /// The class whose bounds stand for the values of both machines, where these are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub class: Option<String>,
+    /// True if what only one of the machines bounds has the bounds of the other one in both.
+    pub alike: bool,
     /// The figure of a machine over the poses.
     pub statistic: Statistic,
     /// The difference, um: negative is better than the first.
@@ -99,7 +101,8 @@ impl JudgedDifference {
             None => format!("{} um", signed(self.um, &significant(self.um, 3))),
         };
         let class = self.class.as_ref().map_or_else(String::new, |name| format!(" of class {name}, values left out"));
-        format!("{of}{class}: {um}")
+        let alike = if self.alike { ", what one lacks bounded as the other's" } else { "" };
+        format!("{of}{class}{alike}: {um}")
     }
 }
 
@@ -308,7 +311,9 @@ impl Figures {
     /// Returns the difference (um) of the figures by which a machine is judged, with its interval.
     fn judged(&self, index: usize) -> Option<JudgedDifference> {
         if let Some(of) = &self.budgets {
-            let PairedDifference { value, mut low, mut high, .. } = of.versus_first_p95_um.get(index - 1)?.minus_first;
+            let versus = of.versus_first_p95_um.get(index - 1)?;
+            let alike = versus.minus_first_alike;
+            let PairedDifference { value, mut low, mut high, .. } = alike.unwrap_or(versus.minus_first);
             if let (Some(bands), Some(um)) = (&self.uncertainty, self.minus_first(index)) {
                 let band = bands[index].minus_first.position_um;
                 let (um, ends) = figure_of(of.drawing.statistic, &um.position_um, Some(&band));
@@ -320,6 +325,7 @@ impl Figures {
             return Some(JudgedDifference {
                 drawn: true,
                 class,
+                alike: alike.is_some(),
                 statistic: of.drawing.statistic,
                 um: value,
                 low,
@@ -328,7 +334,15 @@ impl Figures {
         }
         let um = self.minus_first(index)?.position_um.p95;
         let drawn = self.bounded[index].is_some();
-        Some(JudgedDifference { drawn, class: None, statistic: Statistic::P95, um, low: None, high: None })
+        Some(JudgedDifference {
+            drawn,
+            class: None,
+            alike: false,
+            statistic: Statistic::P95,
+            um,
+            low: None,
+            high: None,
+        })
     }
 
     /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unlike` is the reason why the

@@ -21,6 +21,22 @@ impl DriveScale {
     /// Values in force below or above are none of a machine.
     pub const RANGE: [f64; 2] = [0.05, 1e6];
 
+    /// Values that drives as a rule have: belts and screws on motors of 200 to 800 steps, with 16 to 64 parts a step.
+    pub fn usual(self) -> [f64; 2] {
+        match self {
+            Self::StepsPerMm => [10.0, 2e4],
+            Self::MmPerTurn => [0.5, 60.0],
+        }
+    }
+
+    /// The number in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::StepsPerMm => "steps in a mm",
+            Self::MmPerTurn => "mm in a turn of the motor",
+        }
+    }
+
     /// Returns the number that adds `slope` mm to each mm of the way, given the one in force.
     pub fn stored(self, in_force: f64, slope: f64) -> f64 {
         match self {

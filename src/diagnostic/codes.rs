@@ -277,7 +277,7 @@ codes! {
     W0715 "no file says which tables are in force",
     W0716 "check words are not verified",
     W0717 "a name of the machine's builder is taken as it is",
-    W0718 "the scale of a drive is not known",
+    W0718 "the scale of a drive is not known, or seldom",
     W0719 "a machine in inches gets files in mm",
     W0760 "words of the program are axes, not the tip",
     W0761 "a rotary axis with the letter of a linear one",

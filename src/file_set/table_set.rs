@@ -60,6 +60,7 @@ pub(crate) fn render(
     if let Some((name, _)) = scales.clone().find(strange) {
         return call.usage(format!("--scale: the chain has no linear axis `{name}`"));
     }
+    warn_unusual_scales(call, target);
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
@@ -215,6 +216,20 @@ pub(crate) fn take_scales(
         }
     }
     Ok(())
+}
+
+/// Asks about scales that look like those of another control: steps in a mm for mm in a turn.
+fn warn_unusual_scales(call: &mut Call, target: &ControllerTarget) {
+    let Some(own) = &target.manifest.mechanism.own_axis else { return };
+    let Some(scale) = own.scale else { return };
+    let [low, high] = scale.usual();
+    let unusual = own.in_force.iter().filter(|(_, value)| !(low..=high).contains(value));
+    let list: Vec<String> = unusual.map(|(name, value)| format!("{name}={value}")).collect();
+    if !list.is_empty() {
+        let message = format!("{} is seldom: this control counts {}", list.join(", "), scale.words());
+        let help = "a wrong number would make the axis move by a multiple: compare it with that in the control";
+        call.warn(Diagnostic::new(codes::W0718, message).help(help));
+    }
 }
 
 /// A scale that changes less than this over its travel is none, mm.

@@ -239,6 +239,13 @@ pub const MIN_RESIDUAL_SHARE: f64 = 1e-12;
 pub const OUTLIER_DEVIATIONS: f64 = 4.0;
 /// The same from which on there is a warning: no form of an axis comes there.
 pub const MAX_OUTLYING_DEVIATIONS: f64 = 10.0;
+/// Share of all that is left (sum of squares) that is one outlier's from which on it is named however few readings
+/// there are: of eight normal ones one in ten sets has such a row, of twenty none.
+pub const MAX_OUTLYING_SHARE: f64 = 0.6;
+/// Location error of a fit, mm, from which on the data are rather wrong than the machine: origins are known better.
+pub const MAX_LIKELY_SHIFT_MM: f64 = 3.0;
+/// The same of its angle, rad: 1000 arcsec.
+pub const MAX_LIKELY_TURN: f64 = 5e-3;
 /// Least residual (mm) of an outlier: residuals of mere rounding have none.
 pub const MIN_OUTLIER_MM: f64 = 1e-6;
 /// Residuals below which tests for randomness say nothing.

@@ -101,7 +101,7 @@ pub fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
 pub fn identify(of: &IdentifyResult) -> String {
     let prediction = match of.prediction.largest_um {
         Some(size) if of.prediction.held => {
-            format!("; predicts the volume to u = {} um or better", significant(size, 2))
+            format!("; predicts the volume with u = {} um at most", significant(size, 2))
         }
         _ => "; some of the volume is not predicted".to_owned(),
     };

@@ -90,6 +90,24 @@ fn a_verdict_that_missing_errors_could_turn_is_withheld() {
 }
 
 #[test]
+fn a_verdict_that_stands_is_stated_of_like_bounds() {
+    let [wide, narrow] = ["tolerances: { EXX: 20 um, EYY: 10 um }\n", "tolerances: { EXX: 5 um }\n"];
+    let versus = |found: &Value| found["budgets"]["versus_first_p95_um"][0].clone();
+    let found = compare(wide, narrow);
+    let own = versus(&found);
+    // The same two machines, both bounds written down by hand.
+    let by_hand = versus(&compare(wide, "tolerances: { EXX: 5 um, EYY: 10 um }\n"));
+    assert_eq!(own["verdict"], by_hand["verdict"]);
+    assert_eq!(own["minus_first_alike"]["value"], by_hand["minus_first"]["value"]);
+    assert_ne!(own["minus_first"]["value"], by_hand["minus_first"]["value"]);
+    assert_eq!(by_hand["minus_first_alike"], Value::Null);
+    let judged = &found["verdicts"][0]["by"];
+    assert_eq!((&judged["um"], &judged["alike"]), (&by_hand["minus_first"]["value"], &true.into()));
+    let unbounded = |i: usize| found["budgets"]["machines"][i]["unbounded"].as_u64().unwrap();
+    assert_eq!(unbounded(0).abs_diff(unbounded(1)), 1);
+}
+
+#[test]
 fn a_ranking_withholds_what_missing_errors_turn() {
     let folder = Folder::new("ranking-coverage");
     let (mut turned, mut kept) = (0, 0);

@@ -111,6 +111,9 @@ fn a_slip_in_a_machine_file_is_answered_by_what_to_write() {
         (plain, "tolerances: { X-Y: 0.02/500, Y-X: 0.02/500 }\n", "squareness of X and Y is given twice"),
         (plain, "tool_poses: part.csv\n", "a job: give its file by `--job`"),
         (plain, "bounds: { EXX: 5 um }\n", "did you mean `tolerances`?"),
+        (plain, "errors: { ec0y: 5 urad }\n", "did you mean `EC0Y`?"),
+        (plain, "errors: { XY: 5 urad }\n", "a squareness has a dash, `X-Y`"),
+        (plain, "\u{a0}volume: {}\n", "a no-break space stands in it"),
         (plain, "errors: { EXX: { constant: 5 um } }\n", "did you mean `value`?"),
     ] {
         let file = folder.with("m.yaml", &three_axes(chain, sections));
@@ -368,4 +371,46 @@ fn relative_readings_in_columns_of_whole_ones_are_asked_about() {
         let (_, said) = refused(&["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"]);
         assert_eq!(said.contains("every run begins with zeros"), asks, "{column} {first}: {said}");
     }
+}
+
+#[test]
+fn a_scale_of_another_control_is_asked_about() {
+    let folder = Folder::new("other-scale");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", "errors: { EC0Y: 200 urad }\n"));
+    for (number, (target, scale, asks)) in [
+        ("klipper", "X=80,Y=80,Z=400", true),
+        ("klipper", "X=40,Y=40,Z=8", false),
+        ("marlin", "X=40,Y=40,Z=8", true),
+        ("marlin", "X=80,Y=80,Z=400", false),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = folder.file(&number.to_string());
+        let said = refused(&["compile", text(&machine), "--target", target, "--scale", scale, "--out", text(&out)]).1;
+        assert_eq!(said.contains("is seldom: this control counts"), asks, "{target} {scale}: {said}");
+    }
+}
+
+#[test]
+fn a_wrong_row_of_few_and_a_machine_seen_by_eye_are_warned_of() {
+    let folder = Folder::new("few-rows");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", ""));
+    let rows = |run: &str, wrong: f64, unit: f64| -> String {
+        let value = |i: f64| if i == 3.0 { wrong * 60.0 * i } else { 60.0 * i + 0.5 * noise(i) };
+        [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| format!("{run},{},{:.1}\n", (50.0 + 100.0 * i) / unit, value(i))).concat()
+    };
+    for (wrong, unit, code) in [(1.0, 1.0, None), (10.0, 1.0, Some("W0507")), (1.0, 25.4, Some("W0512"))] {
+        let table = format!("run,Y [mm],rel.dx [um]\n{}{}", rows("face", wrong, unit), rows("turned", 1.0, unit));
+        let data = folder.with("square.csv", &table);
+        let (_, said) = refused(&["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"]);
+        for known in ["W0507", "W0512"] {
+            assert_eq!(said.contains(known), code == Some(known), "{wrong} {unit}: {said}");
+        }
+    }
+}
+
+/// Half a micrometre of noise, the same in every run.
+fn noise(i: f64) -> f64 {
+    [0.0, 0.4, -0.7, 0.9, -0.3][i as usize]
 }

@@ -52,7 +52,10 @@ fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
             (Some(verdict), _) => verdict.words().to_owned(),
             (None, withheld) => format!("no verdict{}", withheld.as_ref().map(reason).unwrap_or_default()),
         };
-        format!("95 % value of the position, {} - 1: {} um, {words}\n", i + 2, difference(versus.minus_first))
+        let alike = versus.minus_first_alike.map_or_else(String::new, |alike| {
+            format!("\n  with the other machine's bounds for what one lacks {} um", difference(alike))
+        });
+        format!("95 % value of the position, {} - 1: {} um, {words}{alike}\n", i + 2, difference(versus.minus_first))
     };
     of.versus_first_p95_um.iter().enumerate().map(line).collect()
 }

@@ -214,6 +214,9 @@ fn bounds_sources(result: &CompareResult) -> String {
         match &budget.class {
             Some(class) if own == 0 => format!("all {} by class {class}", budget.errors),
             Some(class) => format!("{own} by its file, {} by class {class}", budget.errors_by_class),
+            None if budget.unbounded > 0 => {
+                format!("{own} by its file, {} with neither value nor bound", budget.unbounded)
+            }
             None => format!("all {own} by its file"),
         }
     };

@@ -9,6 +9,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::workbench;
 use crate::cli::{Exit, Format, Outcome};
 use abbe::results::Report;
+use abbe::text::fold;
 use abbe::{ReportOptions, report};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -73,7 +74,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return workbench::open(session, machine, workbench::PartAsked::default(), args.port);
     }
     let ending = args.out.as_ref().and_then(|out| out.extension()?.to_str()).map(str::to_lowercase);
-    if let Some(ending) = ending.filter(|of| ["pdf", "docx", "pptx"].contains(&of.as_str())) {
+    if let Some(ending) =
+        ending.filter(|of| ["pdf", "docx", "pptx", "csv", "json", "yaml", "svg", "png"].contains(&of.as_str()))
+    {
         return session
             .usage(&format!("a report is a page of HTML, not .{ending}: name it .html; a browser prints it as PDF"));
     }
@@ -86,12 +89,10 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Json => {
             session.print_json(json!({"page": out.display().to_string(), "bytes": bytes, "engines": page.variants}));
         }
-        _ => session.print(&format!(
-            "{}: {} kB, self-contained{}",
-            out.display(),
-            bytes.div_ceil(1000),
-            answers(&page.variants)
-        )),
+        _ => session.print(
+            fold(&format!("{}: {} kB, self-contained{}", out.display(), bytes.div_ceil(1000), answers(&page.variants)))
+                .trim_end(),
+        ),
     }
     Ok(())
 }

@@ -437,7 +437,14 @@ fn clamped(list: Vec<Parameter>, only: &Clamping) -> impl Iterator<Item = Parame
 fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
-        let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &FITTED_GROUPS));
+        let upper = word.to_uppercase();
+        let help = match parse_error_name(&upper) {
+            Some(_) => format!("did you mean `{upper}`?"),
+            None if word.trim().contains(' ') => "part them by commas: `EC0Y,EXX:poly3`".to_owned(),
+            None => {
+                format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &FITTED_GROUPS))
+            }
+        };
         return Err(refusal(message, help));
     };
     let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);

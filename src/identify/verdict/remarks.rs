@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::data::LEVER_MM;
 use crate::identify::thresholds::*;
 use crate::identify::{
-    BasisFunction, DeviationUncertainty, Estimate, Measurement, Parameter, ParameterTerm, Prediction, Reading,
+    BasisFunction, DeviationUncertainty, Estimate, Measurement, Outlier, Parameter, ParameterTerm, Prediction, Reading,
     ReadingKind, Repeats, Residuals, largest_uncertainty, lever,
 };
 use crate::job::machine_file::ReadBackFailure;
@@ -35,6 +35,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),
+        large_values(fitted),
         missing_approaches(fitted),
         contradiction(fitted, sources),
         silent(fitted),
@@ -140,10 +141,33 @@ pub(crate) fn unlikely_sizes(typical: f64, typical_turn: f64) -> Option<Diagnost
     Some(warning(codes::W0505, message, help))
 }
 
+/// Asks about location errors so large that one would see them by eye.
+fn large_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
+    let large = own.filter(|(parameter, estimate)| match parameter.terms.first().map(|term| term.source) {
+        Some(source) if matches!(source.place, ErrorSite::Location(_)) => {
+            let most = if source.direction.is_rotation() { MAX_LIKELY_TURN } else { MAX_LIKELY_SHIFT_MM };
+            estimate.value.abs() > most
+        }
+        _ => false,
+    });
+    let said = |(parameter, estimate): (&Parameter, &Estimate)| {
+        let value = significant(parameter.in_unit(estimate.value), 4);
+        format!("{} = {value} {}", parameter.name, parameter.unit)
+    };
+    let list: Vec<String> = large.map(said).collect();
+    let message = format!("the fit finds what one would see by eye: {}", list.join(", "));
+    (!list.is_empty()).then(|| warning(codes::W0512, message, RAN_AWAY))
+}
+
 /// Warns of a reading that stands far out.
 pub(crate) fn outlying(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Option<Diagnostic> {
-    let worst = fitted.residuals.outliers.first().filter(|worst| worst.deviations > MAX_OUTLYING_DEVIATIONS)?;
-    let far = fitted.residuals.outliers.iter().filter(|of| of.deviations > MAX_OUTLYING_DEVIATIONS).count();
+    let outliers = &fitted.residuals.outliers;
+    let left = fitted.residuals.after * fitted.residuals.after * fitted.data.len() as f64;
+    // A row that stands alone widens the scatter by which it is judged.
+    let is_most = |of: &&Outlier| of.residual * of.residual > MAX_OUTLYING_SHARE * left;
+    let worst = outliers.first().filter(|worst| worst.deviations > MAX_OUTLYING_DEVIATIONS || is_most(worst))?;
+    let far = outliers.iter().filter(|of| of.deviations > MAX_OUTLYING_DEVIATIONS).count();
     let (place, size) = (place(fitted, sources, worst.row), significant(worst.deviations, 2));
     let others = if far > 1 { format!(", and {} more", far - 1) } else { String::new() };
     let message = format!("{place} is {size} standard deviations off what all readings say{others}");

@@ -52,12 +52,16 @@ pub fn find_error(context: &mut Context, name: &str, known: &JointNames<'_>, pla
             .help(help)
         }
         None => {
+            let upper = name.trim().to_uppercase();
+            let nearly = super::super::parse_error_name(&upper).map(|_| format!("did you mean `{upper}`?"));
             let help = match name.trim() {
                 "X-Y" | "Y-X" => "as an error it is `EC0Y`, with its sign; `X-Y` is a bound, under `tolerances`",
                 "X-Z" | "Z-X" => "as an error it is `EB0Z`, with its sign; `X-Z` is a bound, under `tolerances`",
                 "Y-Z" | "Z-Y" => "as an error it is `EA0Z`, with its sign; `Y-Z` is a bound, under `tolerances`",
+                "XY" | "XZ" | "YZ" => "a squareness has a dash, `X-Y`, and is a bound, under `tolerances`",
                 _ => "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`",
             };
+            let help = nearly.as_deref().unwrap_or(help);
             Diagnostic::new(codes::E0405, format!("`{}` is not the name of an error", shown(name))).help(help)
         }
     };
