@@ -280,6 +280,7 @@ codes! {
     W0717 "a name of the machine's builder is taken as it is",
     W0718 "the scale of a drive is not known",
     W0719 "a machine in inches gets files in mm",
+    W0720 "the restore set is not that of the set",
     W0760 "words of the program are axes, not the tip",
     W0761 "a rotary axis with the letter of a linear one",
     W0762 "numbers in force away from the machine file",
