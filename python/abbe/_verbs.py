@@ -1231,6 +1231,7 @@ class Verbs:
         accept_unverified: bool = False,
         installed: Text | None = None,
         max_change: float | None = None,
+        ini: Text | None = None,
         nothing_else: bool = False,
         out: Text | None = None,
         tool_poses: Table | None = None,
@@ -1258,6 +1259,7 @@ class Verbs:
           plus new.
         * ``max_change``: Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is
           stated.
+        * ``ini``: INI file of LinuxCNC: the pole zone of a generated module is chosen by the limits of its drives.
         * ``nothing_else``: True if nothing else than kinematic parameters, or nothing but ``installed``, corrects the
           machine: tables in ``out`` are not in force.
         * ``out``: The folder that the files are for, which is searched for tables that kinematic parameters would add
@@ -1280,6 +1282,7 @@ class Verbs:
             "accept_unverified": accept_unverified,
             "installed": installed,
             "max_change": max_change,
+            "ini": ini,
             "nothing_else": nothing_else,
             "out": out,
             "tool_poses": tool_poses,

@@ -2,7 +2,7 @@
 
 use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use super::set_part::ComposedPart;
-use crate::compensation::CorrectionTables;
+use crate::compensation::{CorrectionTables, ModuleContent};
 use crate::controller::{
     Certificate, ControllerTarget, Depth, Level, Limits, Lock, Manifest, NAMES, RenderedFile, TablesUnderTest, certify,
     certify_kinematics,
@@ -17,7 +17,9 @@ use crate::file_set::table_set::{self, TableRequest};
 use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
+use crate::syntax::read_text;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Options of [`compile`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -38,6 +40,8 @@ pub struct CompileOptions {
     /// Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is stated.
     #[serde(rename = "max_change")]
     pub max_change_mm: Option<f64>,
+    /// INI file of LinuxCNC: the pole zone of a generated module is chosen by the limits of its drives.
+    pub ini: Option<PathBuf>,
     /// True if nothing else than kinematic parameters, or nothing but `installed`, corrects the machine: tables in
     /// `out` are not in force.
     pub nothing_else: bool,
@@ -64,6 +68,7 @@ impl Default for CompileOptions {
             accept_unverified: false,
             installed: None,
             max_change_mm: None,
+            ini: None,
             nothing_else: false,
             out: None,
             work: CertifiedWork::default(),
@@ -104,6 +109,7 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
         warn_inches(call, file, &target);
         refuse_unverified(call, &target, options.accept_unverified)?;
         let scope = options.scope(call, file)?;
+        options.refuse_ini(call, &target)?;
         if let Some(mechanism) = target.manifest.kinematics() {
             if !mechanism.machines.is_empty() && !options.nothing_else {
                 refuse_tables(call, file, options)?;
@@ -118,6 +124,22 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
 impl CompileOptions {
     pub(crate) fn in_force(&self) -> InForce<'_> {
         InForce { folder: self.installed.as_deref(), max_change_mm: self.max_change_mm }
+    }
+
+    /// Only a generated module has a zone that limits of drives decide.
+    pub(crate) fn refuse_ini(&self, call: &mut Call<'_>, target: &ControllerTarget) -> Result<(), Refused> {
+        let fits = target.manifest.kinematics().is_some_and(|of| of.carries == ModuleContent::FullModel);
+        if self.ini.is_none() || fits {
+            return Ok(());
+        }
+        let name = &target.manifest.target;
+        call.usage(format!("--ini: `{name}` has no pole zone of its own; limits of drives are for linuxcnc-kins"))
+    }
+
+    fn ini_text(&self, call: &mut Call<'_>) -> Result<Option<Arc<str>>, Refused> {
+        let Some(path) = &self.ini else { return Ok(None) };
+        let read = read_text(path, None, call.run.files, &mut call.diagnostics);
+        read.map(|(_, text)| Some(text)).ok_or(Refused)
     }
 
     /// Returns the poses by which the certificate judges.
@@ -170,7 +192,8 @@ fn module(
     let before = module_set::load_installed(call, file, target, &options.compensation, options.in_force())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
-    let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before })?;
+    let ini = options.ini_text(call)?;
+    let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before, ini })?;
     let certificate = certify_kinematics(file, target, &set.module, &set.beside, scope.depth);
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
@@ -178,7 +201,10 @@ fn module(
     let restored = restore::of_module(call, file, target, &set.module, &set.beside)?;
     let beside = |tables| TablesUnderTest { target, tables, installed: None };
     let field = beside(&set.beside).beside(file, &set.module);
-    let words = options.compensation.module_words();
+    let mut words = options.compensation.module_words();
+    words.extend(
+        set.module.pole_zone_deg().filter(|_| options.ini.is_some()).map(|deg| format!("pole zone {deg:.4} deg")),
+    );
     let mut compiled = assemble(file, target, words, set.rendered, certificate, &field, scope);
     let none = CorrectionTables::default();
     compiled.certificate = compiled.certificate.with_module(file, &set.module, beside(&none));

@@ -52,6 +52,7 @@ pub fn compile_composed(
         refuse_unverified(call, &targets.0, options.accept_unverified)?;
         refuse_unverified(call, &targets.1, options.accept_unverified)?;
         let scope = options.scope(call, file)?;
+        options.refuse_ini(call, &targets.0)?;
         let request = ComposedRequest {
             compensation: how,
             in_force: options.in_force(),

@@ -46,6 +46,7 @@ pub(crate) mod pose_arrays;
 pub(crate) mod reach;
 pub(crate) mod record;
 pub(crate) mod replay;
+mod restore_check;
 pub mod results;
 mod second;
 mod set_part;

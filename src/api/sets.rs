@@ -1,5 +1,6 @@
 //! A set of compensation files in a folder, for programs that write and replace sets.
 
+pub use super::restore_check::restore_warning;
 pub use super::verify::set_manifest;
 pub use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, RenderedFile, is_plain_name};
 pub use crate::file_set::folder::{STALE_HELP, refuse_outside};

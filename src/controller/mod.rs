@@ -27,7 +27,7 @@ pub use certificate::{
 };
 pub(crate) use certificate::{ball_checks, drive_demands, raised_figures};
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, ProgramManifest, ProgramWords, RenderedFile};
-pub(crate) use kinematics::{FoundLine, found_lines};
+pub(crate) use kinematics::{FoundLine, WORLD, found_lines};
 pub use kinematics::{
     KinematicsModule, MIN_READING_MM, ModuleField, ModuleModel, NumberChange, Parameters, RotaryLine, SignTrial,
     SignTrials, Transformation,

@@ -2,6 +2,7 @@
 //!
 //! - `options`: goal, axes and target of the correction;
 //! - `table_set`, `module_set`: sets of tables and kinematics modules, rendered and read back;
+//! - `pole_zone`: the zone of a module by the limits of the drives;
 //! - `restore`: the sets that take these back;
 //! - `folder`, `found_set`: sets found in a folder, of whatever target;
 //! - `composition`: sets of two targets, kinematic parameters and tables for what they leave;
@@ -15,6 +16,7 @@ pub(crate) mod folder;
 pub(crate) mod found_set;
 pub(crate) mod module_set;
 pub(crate) mod options;
+mod pole_zone;
 pub(crate) mod restore;
 pub(crate) mod table_set;
 pub(crate) mod verdict;

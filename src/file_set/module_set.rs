@@ -2,6 +2,7 @@
 //! folder.
 
 use super::options::CompensationOptions;
+use super::pole_zone::{DriveLimits, fit_pole_zone};
 use super::{found_set, misread};
 use crate::compensation::CorrectionTables;
 use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
@@ -26,12 +27,14 @@ pub(crate) struct ModuleRequest {
     /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
     /// machine's if there are none.
     pub(crate) before: Option<Vec<f64>>,
+    /// Text of the controller's INI file, by whose limits the pole zone of a generated module is chosen.
+    pub(crate) ini: Option<Arc<str>>,
 }
 
 impl ModuleRequest {
     /// Returns the request of a module on its own that nobody is to load.
     pub(crate) fn plain(orientation: bool) -> Self {
-        Self { orientation, limits: Limits::LARGEST, before: None }
+        Self { orientation, limits: Limits::LARGEST, before: None, ini: None }
     }
 }
 
@@ -41,8 +44,12 @@ pub(crate) fn render(
     target: &ControllerTarget,
     request: ModuleRequest,
 ) -> Result<ModuleFiles, Refused> {
-    let limits = request.limits;
-    let meant = carry(call, machine, target, request)?;
+    let (limits, ini) = (request.limits, request.ini.clone());
+    let carried = carry(call, machine, target, request)?;
+    let meant = match ini {
+        Some(text) => fit_zone(call, machine, carried, &text)?,
+        None => carried,
+    };
     call.extend(finite::refusal(&meant));
     call.check()?;
     let reversal = Arc::new(target.reversal_tables(machine));
@@ -53,6 +60,26 @@ pub(crate) fn render(
     call.check()?;
     let (module, beside) = read_back(call, machine, target, &rendered, &meant, &reversal)?;
     Ok(ModuleFiles { rendered, module, beside })
+}
+
+/// Chooses the pole zone by the limits of an INI file.
+fn fit_zone(
+    call: &mut Call,
+    machine: &Machine,
+    carried: KinematicsModule,
+    text: &str,
+) -> Result<KinematicsModule, Refused> {
+    if !carried.keeps_the_tip() {
+        return call.usage("--ini: words of this machine's programs are not the tip of the tool, so no zone is fitted");
+    }
+    match DriveLimits::read(machine, &carried, text) {
+        Ok(limits) => {
+            let (fitted, warnings) = fit_pole_zone(machine, carried, &limits);
+            call.extend(warnings);
+            Ok(fitted)
+        }
+        Err(refusal) => call.refuse(refusal),
+    }
 }
 
 /// The files in force when the machine was measured, and the limit by which they are judged.

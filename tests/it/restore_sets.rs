@@ -230,3 +230,87 @@ fn a_ball_is_found_where_the_certificate_says() {
         assert_eq!(verify(&path, &out, &["--poses", "40"]).json()["ball_checks"], json["ball_checks"]);
     }
 }
+
+/// What `verify` says of the set that takes a set back.
+fn said_of_restore(machine: &Path, out: &Path) -> Option<String> {
+    let run = Run::of(abbe().arg("verify").arg(machine).arg(out).args(["--poses", "5", "--format", "json"]));
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    run.err.split("warning[W0720]: ").nth(1).map(|rest| rest.lines().next().unwrap().to_owned())
+}
+
+/// A restore set that is missing, edited, or another set's is named, and one as it was written is not.
+#[test]
+fn verify_holds_the_restore_set_against_its_set() {
+    let folder = Folder::new();
+    let [first, second] = [("first.yaml", FIRST), ("second.yaml", SECOND)].map(|(name, e)| machine(&folder, name, e));
+    let [one, other] = [(&first, "one"), (&second, "other")].map(|(machine, name)| {
+        let out = folder.path(name);
+        let _ = compile(machine, "linuxcnc", &out, &FEW).json();
+        out
+    });
+    let restore = one.join("restore");
+    assert_eq!(said_of_restore(&first, &one), None);
+    assert_eq!(said_of_restore(&first, &restore), None);
+    let table = restore.join("joint_0_X.comp");
+    let whole = std::fs::read_to_string(&table).unwrap();
+    std::fs::write(&table, whole.replacen('0', "1", 1)).unwrap();
+    assert!(said_of_restore(&first, &one).unwrap().contains("`joint_0_X.comp` is missing or was edited"));
+    std::fs::remove_file(&table).unwrap();
+    assert!(said_of_restore(&first, &one).unwrap().contains("`joint_0_X.comp` is missing or was edited"));
+    std::fs::remove_dir_all(&restore).unwrap();
+    assert!(said_of_restore(&first, &one).unwrap().contains("restore` is missing"));
+    std::fs::rename(other.join("restore"), &restore).unwrap();
+    assert!(said_of_restore(&first, &one).unwrap().contains("takes another set back: its manifest has other inputs"));
+}
+
+/// Sets of two targets have theirs below, and the parts have none.
+#[test]
+fn verify_holds_the_restore_set_of_two_targets_against_them() {
+    let folder = Folder::new();
+    let (path, out) = (config("trunnion.yaml"), folder.path("both"));
+    let both = "heidenhain-kinematics+heidenhain-com";
+    let _ = compile(&path, both, &out, &[&FEW[..], &["--nothing-else"]].concat()).json();
+    for folder in [out.clone(), out.join("restore"), out.join("heidenhain-kinematics")] {
+        assert_eq!(said_of_restore(&path, &folder), None, "{}", folder.display());
+    }
+    std::fs::remove_file(out.join("restore/heidenhain-kinematics/kinematics.txt")).unwrap();
+    assert!(said_of_restore(&path, &out).unwrap().contains("`kinematics.txt` is missing"));
+}
+
+/// Preset rows count from the table's centre to the datum, so they change against the centre: by the numbers of the
+/// list itself, added by the test, and back by the restore list.
+#[test]
+fn presets_go_against_the_centre_of_the_table_and_back() {
+    let folder = Folder::new();
+    let numbers = |list: &Path| -> ([f64; 3], [f64; 3]) {
+        let text = std::fs::read_to_string(list.join("kinematics.txt")).unwrap();
+        let (mut moved, mut presets) = ([0.0; 3], [f64::NAN; 3]);
+        for line in text.lines() {
+            if let Some((name, rest)) = line.strip_prefix("Trans.").and_then(|rest| rest.split_once(" = ")) {
+                let (value, was) = rest.split_once(" ; was ").unwrap();
+                let k = "XYZ".find(name.chars().last().unwrap()).unwrap();
+                moved[k] += value.parse::<f64>().unwrap() - was.parse::<f64>().unwrap();
+            }
+            let words: Vec<&str> = line.trim_start_matches(';').split_whitespace().collect();
+            if let ([letter @ ("X" | "Y" | "Z"), by], true) = (&words[..], line.starts_with(';')) {
+                presets["XYZ".find(letter).unwrap()] = by.parse().unwrap();
+            }
+        }
+        (moved, presets)
+    };
+    let path = config("trunnion.yaml");
+    let [old, new] = ["old", "new"].map(|name| folder.path(name));
+    let _ = compile(&path, "heidenhain-kinematics", &old, &[&FEW[..], &["--nothing-else"]].concat()).json();
+    // On top of these numbers once more.
+    let over = [&FEW[..], &["--nothing-else", "--installed", old.to_str().unwrap()]].concat();
+    let _ = compile(&path, "heidenhain-kinematics", &new, &over).json();
+    for set in [&old, &new] {
+        let (moved, presets) = numbers(set);
+        let (back, presets_back) = numbers(&set.join("restore"));
+        assert!(moved.iter().any(|by| by.abs() > 1e-3), "{moved:?}");
+        for k in 0..3 {
+            assert!((presets[k] + moved[k]).abs() < 1e-9, "{presets:?} {moved:?}");
+            assert!((back[k] + moved[k]).abs() < 1e-9 && (presets_back[k] - moved[k]).abs() < 1e-9, "{back:?}");
+        }
+    }
+}

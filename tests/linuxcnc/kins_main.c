@@ -64,6 +64,31 @@ static void timed(int count, long calls)
     printf("%.0f %.0f\n", 1e9 * inverse / (double)calls, 1e9 * forward / (double)calls);
 }
 
+/* The first line is where the machine is; each further one is a tool that the pins are given for 8 s of servo cycles of
+   1 ms while the words stay. A line for every cycle: joints, ramping, refused, zone, angle. */
+static void ramped(int count)
+{
+    double joint[16] = { 0.0 };
+    struct EmcPose world = pose(line[0]);
+    int k, i, cycle;
+    shim_state.speed_pin = 20.0;
+    shim_state.acceleration_pin = 100.0;
+    apply(line[0]);
+    for (i = 0; i < 9; i++) joint[i] = line[0][15 + i];
+    for (k = 0; k < count; k++) {
+        apply(line[k]);
+        for (cycle = 0; cycle < 8000; cycle++) {
+            ramp(&shim_state, 1000000);
+            if (kinematicsInverse(&world, joint, NULL, NULL)) exit(1);
+            struct EmcPose seen = world;
+            if (kinematicsForward(joint, &seen, NULL, NULL)) exit(1);
+            for (i = 0; i < 9; i++) printf("%.17g ", joint[i]);
+            printf("%d %d %d %.17g\n", shim_state.ramping_pin, shim_state.refused_pin, shim_state.zone_pin,
+                   shim_state.angle_pin);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     char prefix[] = "abbekins";
@@ -73,6 +98,10 @@ int main(int argc, char **argv)
         for (i = 0; i < NUMBERS && count < MOST; i++)
             if (scanf("%lf", &line[count][i]) != 1) break;
         if (i < NUMBERS) break;
+    }
+    if (argc > 1 && strcmp(argv[1], "ramp") == 0) {
+        ramped(count);
+        return 0;
     }
     if (argc > 1) {
         apply(line[0]);

@@ -26,8 +26,9 @@ int kinematicsSwitch(int);
 #include "abbekins_solve.h"
 
 struct __comp_state {
-    int enable_pin, orientation_pin, iterations_pin, failures_pin, tcp_pin;
-    double share_pin, tool_x_pin, tool_y_pin, tool_z_pin, residual_pin, largest_pin;
+    int enable_pin, orientation_pin, iterations_pin, failures_pin, tcp_pin, ramping_pin, refused_pin, zone_pin;
+    double share_pin, tool_x_pin, tool_y_pin, tool_z_pin, residual_pin, largest_pin, speed_pin, acceleration_pin;
+    double angle_pin;
 };
 static struct __comp_state shim_state, *__comp_first_inst = &shim_state;
 /* What can be read only cannot be assigned. */
@@ -37,6 +38,10 @@ static struct __comp_state shim_state, *__comp_first_inst = &shim_state;
 #define tool_x (0 + __comp_inst->tool_x_pin)
 #define tool_y (0 + __comp_inst->tool_y_pin)
 #define tool_z (0 + __comp_inst->tool_z_pin)
+#define tool_speed (0 + __comp_inst->speed_pin)
+#define tool_acceleration (0 + __comp_inst->acceleration_pin)
+#define fperiod (period * 1e-9)
+#define FUNCTION(name) static void name(struct __comp_state *__comp_inst, long period)
 #ifdef SHIM_SETTERS
 /* After LinuxCNC 2.9: pins are written by setters only. */
 #define iterations (0 + __comp_inst->iterations_pin)
@@ -46,11 +51,19 @@ static struct __comp_state shim_state, *__comp_first_inst = &shim_state;
 #define tcp_set(value) ((void)(__comp_inst->tcp_pin = (value)))
 #define residual_set(value) ((void)(__comp_inst->residual_pin = (value)))
 #define largest_set(value) ((void)(__comp_inst->largest_pin = (value)))
+#define tool_ramping_set(value) ((void)(__comp_inst->ramping_pin = (value)))
+#define tool_refused_set(value) ((void)(__comp_inst->refused_pin = (value)))
+#define pole_zone_set(value) ((void)(__comp_inst->zone_pin = (value)))
+#define pole_angle_set(value) ((void)(__comp_inst->angle_pin = (value)))
 #else
 #define iterations (__comp_inst->iterations_pin)
 #define failures (__comp_inst->failures_pin)
 #define tcp (__comp_inst->tcp_pin)
 #define residual (__comp_inst->residual_pin)
 #define largest (__comp_inst->largest_pin)
+#define tool_ramping (__comp_inst->ramping_pin)
+#define tool_refused (__comp_inst->refused_pin)
+#define pole_zone (__comp_inst->zone_pin)
+#define pole_angle (__comp_inst->angle_pin)
 #endif
 #define EXTRA_SETUP() static int extra_setup(struct __comp_state *__comp_inst, char *prefix, long extra_arg)

@@ -14,6 +14,7 @@ mod config;
 mod kinematics;
 mod kins;
 mod kins_topologies;
+mod limited;
 #[path = "../it/loaded.rs"]
 mod loaded;
 #[path = "../it/oracle/mod.rs"]
@@ -27,7 +28,7 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 19] = [
+const CHECKS: [checks::Check; 21] = [
     ("parameters and tables together, xyzac-trt and xyzbc-trt", composed::tilting_tables),
     ("parameters and tables together, 5axiskins", composed::head),
     ("parameters and tables together, maxkins", composed::head_over_table),
@@ -44,6 +45,8 @@ const CHECKS: [checks::Check; 19] = [
     ("error model in the kinematics, head and table", kins::head_table),
     ("error model in the kinematics, lathe without Y", kins_topologies::lathe),
     ("error model in the kinematics, robot", kins_topologies::robot),
+    ("A through 0 at 40 deg/s with limited drives", limited::pole),
+    ("another tool length at a tilt, with limited drives", limited::tool),
     ("M428 and M429 with the error model", switching::switching),
     ("the simulation of the kinematics, with the stock launcher", kins::launcher),
     ("the harness notices a spoiled module", kins::spoiled),

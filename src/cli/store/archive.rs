@@ -10,6 +10,9 @@ use std::path::{Component, Path, PathBuf};
 /// Folder of archived sets.
 const REPLACED: &str = "replaced";
 
+/// Folder of the set that takes another back, within it.
+const RESTORE: &str = "restore";
+
 /// Refuses, before any work, an archive that lies in the folder of the set.
 pub(crate) fn refuse_inside(session: &Session, record: &Path, out: &Path) -> Outcome {
     if !resolve(record).starts_with(resolve(out)) {
@@ -18,8 +21,8 @@ pub(crate) fn refuse_inside(session: &Session, record: &Path, out: &Path) -> Out
     session.usage("--record lies in --out: what is archived there would lie among the files of the controller")
 }
 
-/// Copies the set in `out` into `record`, to `replaced/` and the first 16 digits of the hash of its manifest. Nothing
-/// is copied if there is no set, or if it is there already.
+/// Copies the set in `out`, with the one that takes it back, into `record`, to `replaced/` and the first 16 digits of
+/// the hash of its manifest. Nothing is copied if there is no set, or if it is there already.
 pub(crate) fn keep(session: &mut Session, record: &Path, out: &Path) -> Outcome {
     match archive_folder(record, out) {
         Ok(Some(folder)) => session.say(&format!("archived the set that is replaced: {}", folder.display())),
@@ -36,7 +39,15 @@ fn archive_folder(record: &Path, out: &Path) -> Result<Option<PathBuf>, Diagnost
     let set = set_files(&Disk, out).map_err(|fault| unwhole(out, &fault))?;
     let digits: String = set.files.first().map(|(_, lock)| sha256(lock)).unwrap_or_default().chars().take(16).collect();
     let folder = record.join(REPLACED).join(digits);
-    write_new_folder(&folder, &set.files).map(|()| Some(folder))
+    let mut files = set.files;
+    let restore = out.join(RESTORE);
+    match set_files(&Disk, &restore) {
+        Ok(back) => files.extend(back.files.into_iter().map(|(name, bytes)| (format!("{RESTORE}/{name}"), bytes))),
+        // Sets of earlier versions have none.
+        Err(SetFault::NoManifest) => {}
+        Err(fault) => return Err(unwhole(&restore, &fault)),
+    }
+    write_new_folder(&folder, &files).map(|()| Some(folder))
 }
 
 fn unwhole(out: &Path, fault: &SetFault) -> Diagnostic {

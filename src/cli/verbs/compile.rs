@@ -36,6 +36,9 @@ pub(crate) struct Args {
     set: SetArgs,
     #[command(flatten)]
     installed: InstalledArg,
+    /// INI file of LinuxCNC: the pole zone of a generated module is chosen by the limits of its drives.
+    #[arg(long, value_name = "FILE")]
+    ini: Option<PathBuf>,
     /// Kinematic parameters: no other tables are in force than those of --installed.
     #[arg(long)]
     nothing_else: bool,
@@ -64,6 +67,7 @@ impl Args {
             accept_unverified: self.accept_unverified,
             installed: self.installed.installed.clone(),
             max_change_mm: self.installed.max_change,
+            ini: self.ini.clone(),
             nothing_else: self.nothing_else,
             out: Some(self.out.clone()),
             work: self.set.certified_work(),

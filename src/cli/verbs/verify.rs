@@ -81,6 +81,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return replay(session, &file, &args.folder, path, &options);
     }
     let report = session.take(abbe::verify(&file, &args.folder, &options, session.run()))?;
+    let warning = abbe::sets::restore_warning(&args.folder, session.run());
+    warning.into_iter().for_each(|warning| session.diagnostics.push(warning));
     CertificateView { report: &report, folder: &args.folder }.print(session)
 }
 

@@ -8,7 +8,7 @@ use super::transformation::Transformation;
 use crate::compensation::KinematicsMechanism;
 use crate::controller::emit::{decimal_text, exact};
 use crate::machine::{Axis, AxisKind, Branch, Grid, Machine, Travel};
-use crate::units::Interval;
+use crate::units::{Interval, significant};
 use minijinja::{Value, context};
 
 fn list(numbers: &[f64]) -> Vec<String> {
@@ -93,6 +93,7 @@ fn full_model(machine: &Machine, model: &ModuleModel, mechanism: &KinematicsMech
         words => model.words as usize,
         coordinates => coordinates(machine, model),
         damping => exact(model.damping),
+        pole_zone_deg => significant(libm::asin(model.damping).to_degrees(), 3),
         arm => exact(model.arm),
         orientation => u8::from(model.orientation),
         // Position of the program's zero for programs to count from the workpiece origin.

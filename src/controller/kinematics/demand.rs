@@ -41,6 +41,23 @@ impl KinematicsModule {
         }
     }
 
+    /// Returns the sine of that angle of a full model, whether it has such a zone or not.
+    pub(crate) fn damping(&self) -> Option<f64> {
+        match self {
+            Self::FullModel(model) => Some(model.damping),
+            Self::LinearMap(_) | Self::KinematicParameters(_) => None,
+        }
+    }
+
+    /// Returns the same with another zone, by the sine of its angle.
+    #[must_use]
+    pub(crate) fn with_damping(self, damping: f64) -> Self {
+        match self {
+            Self::FullModel(model) => Self::FullModel(ModuleModel { damping, ..model }),
+            other => other,
+        }
+    }
+
     /// Returns the commands with an axis at a position and the tip where it is on the part at `start`; `None` if the
     /// module stops. The words of parameters are the rotary axes.
     pub fn command_of_turn(&self, machine: &Machine, start: &Pose, turning: usize, angle: f64) -> Option<TurnCommand> {

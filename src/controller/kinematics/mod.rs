@@ -39,6 +39,7 @@ mod transformation;
 mod trials;
 
 pub use carry::KinematicsModule;
+pub(crate) use data::WORLD;
 pub use data::{CurveData, Form, ModuleJoint, ModuleModel, ModuleWords};
 pub use demand::TurnCommand;
 pub use driven::ModuleField;

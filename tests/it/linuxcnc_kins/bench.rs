@@ -62,15 +62,26 @@ impl Module {
         Self { folder }
     }
 
+    /// Runs the servo cycles of 1 ms of a module that stands at the first pose while its pins are given one tool after
+    /// the other, as long each: joints, then the pins tool-ramping, tool-refused, pole-zone and pole-angle.
+    pub fn ramped(&self, asked: &[Ask]) -> Vec<[f64; 13]> {
+        let mut run = Command::new(self.folder.path("all"));
+        let mut run = run.arg("ramp").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let input: String = asked.iter().map(Ask::text).collect();
+        run.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+        let output = run.wait_with_output().unwrap();
+        assert!(output.status.success());
+        let row = |line: &str| {
+            let numbers: Vec<f64> = line.split_whitespace().map(|x| x.parse().unwrap()).collect();
+            std::array::from_fn(|i| numbers[i])
+        };
+        String::from_utf8(output.stdout).unwrap().lines().map(row).collect()
+    }
+
     pub fn answers(&self, asked: &[Ask]) -> Vec<Answer> {
         let mut run =
             Command::new(self.folder.path("all")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let text = |ask: &Ask| {
-            let numbers: Vec<String> =
-                ask.tool.iter().chain(&ask.world).chain(&ask.start).map(f64::to_string).collect();
-            format!("1 {} {} {}\n", ask.share, u8::from(ask.orientation), numbers.join(" "))
-        };
-        let input: String = asked.iter().map(text).collect();
+        let input: String = asked.iter().map(Ask::text).collect();
         let mut stdin = run.stdin.take().unwrap();
         let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()));
         let output = run.wait_with_output().unwrap();
@@ -84,6 +95,13 @@ impl Module {
         let answers: Vec<Answer> = String::from_utf8(output.stdout).unwrap().lines().map(answer).collect();
         assert_eq!(answers.len(), asked.len());
         answers
+    }
+}
+
+impl Ask {
+    fn text(&self) -> String {
+        let numbers: Vec<String> = self.tool.iter().chain(&self.world).chain(&self.start).map(f64::to_string).collect();
+        format!("1 {} {} {}\n", self.share, u8::from(self.orientation), numbers.join(" "))
     }
 }
 

@@ -2,6 +2,7 @@
 //! and called at random poses; where its joints bring the erroneous machine is asked of the oracle.
 
 mod bench;
+mod drives;
 mod topologies;
 
 use std::path::PathBuf;
