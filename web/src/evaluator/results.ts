@@ -992,6 +992,8 @@ export interface InputFile {
 export type InstrumentResult = {
   /** Name of the machine. */
   machine: string;
+  /** Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero. */
+  bounds?: ReadingsOfBounds | null;
 } & ({
   instrument: "ball_bar";
   /** Centre of the circles, mm and deg. */
@@ -1862,3 +1864,11 @@ export interface ZoneBudget {
 
 /** The fit by which a zone is judged. */
 export type ZoneFit = "minimum-zone" | "least-squares";
+
+export interface BoundedReading { name: string; rss_um: number; p95_um: Percentile; }
+export type ReadingsOfBounds = { errors: number; readings: BoundedReading[]; } & DrawSettings;
+export interface DrawnRepair { machines: number; least: number; median: number; most: number; }
+export interface CertifiedFigures { position_um: Summary; rotation_urad: Summary; tool_axis_urad: Summary; }
+export interface TargetResidual { target: string; expresses: string; syntax: string[]; over: Over; uncompensated: CertifiedFigures; compensated: CertifiedFigures; drawn?: DrawnRepair | null; remarks: string[]; }
+export interface RefusedTarget { target: string; code: string; why: string; }
+export interface TargetComparison { machine: string; targets: TargetResidual[]; refused: RefusedTarget[]; }
