@@ -6,7 +6,7 @@ use crate::program::{Folder, abbe, json};
 use ::abbe::{CompareTargetsOptions, LoadOptions, Run, compare_targets, load};
 use serde_json::Value;
 
-const AXES: &str = "abbe: 1\nmachine: M\nchain: \"w Y X b Z t\"\naxes:\n  X: { travel: [0 mm, 400 mm] }\n  \
+const AXES: &str = "abbe: 1\nmachine: M\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0 mm, 400 mm] }\n  \
     Y: { travel: [0 mm, 300 mm] }\n  Z: { travel: [0 mm, 200 mm] }\ntool: { gauge: [0, 0, 0] }\nerrors:\n";
 const SQUARE: &str = "  EC0Y: { tolerance: 40 urad }\n  EA0Z: { tolerance: 30 urad }\n";
 
