@@ -12,7 +12,7 @@ const SQUARE: &str = "  EC0Y: { tolerance: 40 urad }\n  EA0Z: { tolerance: 30 ur
 
 fn readings(folder: &Folder, errors: &str, instrument: &str) -> Vec<(String, f64, f64)> {
     let machine = folder.with("m.yaml", &format!("{AXES}{errors}"));
-    let found = json(&["instrument", machine.to_str().unwrap(), instrument, "--format", "json"]);
+    let found = json(&["instrument", machine.to_str().unwrap(), instrument, "--format", "json", "--quiet"]);
     let number = |of: &Value| of.as_f64().unwrap();
     let one =
         |of: &Value| (of["name"].as_str().unwrap().to_owned(), number(&of["rss_um"]), number(&of["p95_um"]["value"]));
@@ -43,7 +43,7 @@ fn readings_of_two_squarenesses_are_their_closed_forms() {
         near(rss, 0.95 * a.hypot(b), 0.02);
         assert!(name.len() == 3 && name.chars().all(|c| "pn".contains(c)), "{name}");
     }
-    let text = abbe(&["instrument", folder.file("m.yaml").to_str().unwrap(), "ball-bar"]);
+    let text = abbe(&["instrument", folder.file("m.yaml").to_str().unwrap(), "ball-bar", "--quiet"]);
     assert!(text.contains("RSS, um") && !text.contains("0.00000"), "{text}");
 }
 
