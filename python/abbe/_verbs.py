@@ -1191,6 +1191,8 @@ class Verbs:
         *,
         poses: int = 2000,
         seed: int = 1,
+        machines: int = 0,
+        target: TargetName | None = None,
         tool_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
@@ -1204,6 +1206,9 @@ class Verbs:
 
         * ``poses``: Number of poses of the volume.
         * ``seed``: Seed of the poses.
+        * ``machines``: Number of machines that are drawn between the bounds of one of which nothing is measured; none
+          by default.
+        * ``target``: The only target that is tried; all by default.
         * ``tool_poses``: A file of tool poses: CSV or APT CL data.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
@@ -1213,6 +1218,8 @@ class Verbs:
         options: dict[str, Any] = {
             "poses": poses,
             "seed": seed,
+            "machines": machines,
+            "target": target,
             "tool_poses": tool_poses,
             "job": job,
             "path": path,

@@ -1,8 +1,11 @@
 //! Targets compared on a machine: the errors that the files of each leave.
 
+use super::bounded::DrawnBounds;
 use super::certificate::{CertificateScope, CertifiedWork};
 use super::compile::CompileOptions;
-use super::targets::{TargetSummary, targets};
+use super::targets::{TargetSummary, target, targets};
+use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::drawn_machine;
 use crate::controller::{Depth, Figures, Judgement};
 use crate::diagnostic::Severity;
 use crate::file_set::composition::pairs;
@@ -23,6 +26,10 @@ pub struct CompareTargetsOptions {
     pub poses: usize,
     /// Seed of the poses.
     pub seed: u64,
+    /// Number of machines that are drawn between the bounds of one of which nothing is measured; none by default.
+    pub machines: usize,
+    /// The only target that is tried; all by default.
+    pub target: Option<String>,
     /// A job over which targets are compared instead of the volume.
     #[serde(flatten)]
     pub work: CertifiedWork,
@@ -31,7 +38,7 @@ pub struct CompareTargetsOptions {
 impl Default for CompareTargetsOptions {
     fn default() -> Self {
         let CompileOptions { poses, seed, .. } = CompileOptions::default();
-        Self { poses, seed, work: CertifiedWork::default() }
+        Self { poses, seed, machines: 0, target: None, work: CertifiedWork::default() }
     }
 }
 
@@ -61,8 +68,25 @@ pub struct TargetResidual {
     pub uncompensated: Figures,
     /// With the files.
     pub compensated: Figures,
+    /// What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine
+    /// with the median.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawn: Option<DrawnRepair>,
     /// Warnings of the files, such as that the scale in force is not known.
     pub remarks: Vec<String>,
+}
+
+/// What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct DrawnRepair {
+    /// Number of machines drawn.
+    pub machines: usize,
+    /// The least.
+    pub least: f64,
+    /// The median; of an even number the lower one.
+    pub median: f64,
+    /// The most.
+    pub most: f64,
 }
 
 /// A target that has no files for a machine.
@@ -114,10 +138,20 @@ fn compare(
     options: &CompareTargetsOptions,
 ) -> Result<TargetComparison, Refused> {
     let scope = options.work.scope(call, file, Depth { poses: options.poses, seed: options.seed })?;
-    let (compensation, attempts) = (numbered(file), attempts());
+    let compensation = numbered(file);
+    let attempts = match &options.target {
+        Some(name) => vec![Attempt { targets: vec![target(name).or_else(|refusal| call.refuse(refusal))?] }],
+        None => attempts(),
+    };
+    let drawn = drawn(call, file, options)?;
     let outcomes: Vec<Outcome> = call.stage("targets", attempts.len(), |advance| {
         let one = |attempt: &Attempt| {
-            let outcome = attempt.judge(file, &compensation, &scope);
+            let judge = |machine: &Machine| attempt.judge(file, machine, &compensation, &scope);
+            let outcome = if drawn.is_empty() {
+                judge(file)
+            } else {
+                drawn.iter().map(judge).collect::<Result<_, _>>().and_then(median)
+            };
             advance(1)?;
             Ok(outcome)
         };
@@ -134,6 +168,39 @@ fn compare(
     refused.retain(|of: &RefusedTarget| !of.target.contains('+'));
     targets.sort_by(|a, b| a.deciding_um().1.total_cmp(&b.deciding_um().1));
     Ok(TargetComparison { machine: file.machine.name().to_owned(), targets, refused })
+}
+
+/// Maximum number of machines drawn.
+const MAX_MACHINES: usize = 1000;
+
+/// Returns machines drawn between the bounds of one of which nothing is measured, as many as are asked for.
+fn drawn(call: &mut Call<'_>, file: &MachineFile, options: &CompareTargetsOptions) -> Result<Vec<Machine>, Refused> {
+    let CompareTargetsOptions { machines, seed, .. } = *options;
+    if machines == 0 {
+        return Ok(Vec::new());
+    }
+    if machines > MAX_MACHINES {
+        return call.usage(format!("`machines` is up to {MAX_MACHINES}: files are made for each"));
+    }
+    let bounds = DrawnBounds::of(call, file, (&ToleranceOptions::default(), machines, seed))?;
+    let of = |bounds: DrawnBounds| {
+        let draws = bounds.draws();
+        (0..machines).map(|sample| drawn_machine(file, &bounds.bounds, &draws, sample)).collect()
+    };
+    Ok(bounds.map_or_else(Vec::new, of))
+}
+
+/// Returns the machine of which the median is taken off, with the fractions of all.
+fn median(mut all: Vec<TargetResidual>) -> Outcome {
+    let taken = |of: &TargetResidual| {
+        let (before, after) = of.deciding_um();
+        if before > 0.0 { 1.0 - after / before } else { 0.0 }
+    };
+    all.sort_by(|a, b| taken(a).total_cmp(&taken(b)));
+    let middle = (all.len() - 1) / 2;
+    let [least, median, most] = [0, middle, all.len() - 1].map(|i| taken(&all[i]));
+    let drawn = Some(DrawnRepair { machines: all.len(), least, median, most });
+    Ok(TargetResidual { drawn, ..all.swap_remove(middle) })
 }
 
 /// Returns options by which every axis has a number in the controller: in what order it counts changes no figure.
@@ -161,11 +228,17 @@ fn attempts() -> Vec<Attempt> {
 }
 
 impl Attempt {
-    fn judge(&self, file: &MachineFile, options: &CompensationOptions, scope: &CertificateScope) -> Outcome {
+    fn judge(
+        &self,
+        file: &MachineFile,
+        machine: &Machine,
+        options: &CompensationOptions,
+        scope: &CertificateScope,
+    ) -> Outcome {
         let target = self.targets.iter().map(|of| of.target.as_str()).collect::<Vec<_>>().join("+");
         let judged = Call::answer_of(Run::default(), file.sources(), |call| {
-            let (controller, effect) = uncertified_effect(call, file, &target, options)?;
-            Ok(scope.judge(file, &*effect.field(file, &controller)))
+            let (controller, effect) = uncertified_effect(call, machine, &target, options)?;
+            Ok(scope.judge(machine, &*effect.field(machine, &controller)))
         });
         let found = judged.map_err(|refusal| {
             let first = refusal.iter().find(|of| of.severity == Severity::Refusal);
@@ -176,6 +249,6 @@ impl Attempt {
         let (over, Judgement { uncompensated, compensated, .. }) = found.value;
         let expresses = self.targets.iter().map(|of| of.expresses.as_str()).collect::<Vec<_>>().join("; ");
         let syntax = self.targets.iter().map(|of| of.syntax.level).collect();
-        Ok(TargetResidual { target, expresses, syntax, over, uncompensated, compensated, remarks })
+        Ok(TargetResidual { target, expresses, syntax, over, uncompensated, compensated, drawn: None, remarks })
     }
 }

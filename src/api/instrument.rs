@@ -1,15 +1,19 @@
 //! Readings of measuring instruments on a machine.
 
+use super::bounded::DrawnBounds;
+use super::budget::BudgetOptions;
+use super::tolerances::ToleranceOptions;
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{
-    BallBar, CirclePlane, Diagonal, RTest, RTestReading, ball_bar, diagonals, r_test, within,
+    BallBar, BoundedReading, BoundedRequest, CirclePlane, Diagonal, DrivenPath, RTest, RTestReading, ball_bar,
+    circle_path, diagonal_paths, diagonals, r_test, turn_path, within,
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Frame;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_by_names};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
-use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
+use crate::report::{DiagonalPicture, DialPanel, DrawSettings, Picture, PolarPicture, RTestPicture};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::units::significant;
 use schemars::JsonSchema;
@@ -70,10 +74,25 @@ pub struct InstrumentResult {
     /// The readings.
     #[serde(flatten)]
     pub readings: Readings,
+    /// Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<ReadingsOfBounds>,
     #[serde(skip)]
     axes: Vec<Axis>,
     #[serde(skip)]
     at: Pose,
+}
+
+/// Readings to which bounds lead, first order, without reversal.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ReadingsOfBounds {
+    /// Number of bounded errors.
+    pub errors: usize,
+    /// Settings of the machines drawn.
+    #[serde(flatten)]
+    pub drawing: DrawSettings,
+    /// Circular deviation G(b) of each plane, ranges of an R-test along X, Y and Z, or E_d of each diagonal.
+    pub readings: Vec<BoundedReading>,
 }
 
 /// Readings of an instrument.
@@ -208,7 +227,60 @@ fn read(call: &mut Call, machine: &Machine, options: &InstrumentOptions) -> Resu
         Instrument::Diagonals => Readings::Diagonals(lines(call, machine, &at, options, false)?),
         Instrument::StepDiagonals => Readings::StepDiagonals(lines(call, machine, &at, options, true)?),
     };
-    Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
+    let bounds = of_bounds(call, machine, &at, options)?;
+    Ok(InstrumentResult { machine: machine.name().to_owned(), readings, bounds, axes: machine.axes().to_vec(), at })
+}
+
+/// Returns the readings to which bounds lead, of a machine of which nothing is measured.
+fn of_bounds(
+    call: &mut Call,
+    machine: &Machine,
+    at: &[f64],
+    options: &InstrumentOptions,
+) -> Result<Option<ReadingsOfBounds>, Refused> {
+    let (tolerances, BudgetOptions { samples, seed, .. }) = (ToleranceOptions::default(), BudgetOptions::default());
+    let Some(bounds) = DrawnBounds::of(call, machine, (&tolerances, samples, seed))? else { return Ok(None) };
+    let draws = bounds.draws();
+    let request = BoundedRequest { machine, bounds: &bounds.bounds, draws: &draws, samples };
+    let mut readings = Vec::new();
+    for path in driven_paths(call, machine, at, options)? {
+        readings.extend(call.stage("machines drawn", request.steps(), |advance| request.readings(&path, advance))?);
+    }
+    Ok(Some(ReadingsOfBounds { errors: bounds.bounds.len(), drawing: bounds.drawing, readings }))
+}
+
+/// Returns the paths that an instrument drives.
+fn driven_paths<'a>(
+    call: &mut Call,
+    machine: &'a Machine,
+    at: &[f64],
+    options: &InstrumentOptions,
+) -> Result<Vec<DrivenPath<'a>>, Refused> {
+    let paths = match options.instrument {
+        Instrument::BallBar => {
+            let one =
+                |plane| circle_path(machine, at, plane, options.radius_mm, options.points.unwrap_or(DRAWN_CIRCLE));
+            planes(options).into_iter().map(one).collect()
+        }
+        Instrument::RTest => {
+            let turning = turning(call, machine, options)?;
+            turning.iter().map(|axes| turn_path(machine, at, axes, options.points.unwrap_or(TURN))).collect()
+        }
+        Instrument::Diagonals => Ok(diagonal_paths(machine, at, options.points.unwrap_or(DIAGONAL), false)),
+        Instrument::StepDiagonals => Ok(diagonal_paths(machine, at, options.points.unwrap_or(DIAGONAL), true)),
+    };
+    paths.or_else(|why| call.refuse(not_driven("the path", why)))
+}
+
+/// Readings on a circle and on a turn, points on a diagonal, if nothing else is stated.
+const CIRCLE: usize = 360;
+/// Fewer in each of many machines: their waves are long.
+const DRAWN_CIRCLE: usize = 72;
+const TURN: usize = 37;
+const DIAGONAL: usize = 11;
+
+fn planes(options: &InstrumentOptions) -> Vec<CirclePlane> {
+    options.plane.map_or_else(|| CirclePlane::ALL.to_vec(), |plane| vec![plane])
 }
 
 fn not_driven(path: &str, why: Unreachable) -> Diagnostic {
@@ -221,25 +293,26 @@ fn circles(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentO
     if !(radius_mm > 0.0 && radius_mm <= 10_000.0) {
         return call.usage("`--radius` is a length above 0 and up to 10000 mm");
     }
-    let planes = options.plane.map_or_else(|| CirclePlane::ALL.to_vec(), |plane| vec![plane]);
     let one = |plane: CirclePlane| {
-        ball_bar(machine, at, plane, radius_mm, options.points.unwrap_or(360)).map_err(|why| {
+        ball_bar(machine, at, plane, radius_mm, options.points.unwrap_or(CIRCLE)).map_err(|why| {
             let path = format!("a circle of {} mm in {}", significant(radius_mm, 6), plane.name());
             not_driven(&path, why)
         })
     };
-    let planes = planes.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
+    let planes =
+        planes(options).into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
     Ok(Readings::BallBar { centre: axis_positions(machine, at), radius_mm, planes })
 }
 
-fn turns(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
+/// Returns the rotary axes that turn, test by test.
+fn turning(call: &mut Call, machine: &Machine, options: &InstrumentOptions) -> Result<Vec<Vec<usize>>, Refused> {
     let name = |i: usize| machine.axes()[i].name.as_str();
     let rotary: Vec<usize> =
         (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
     if rotary.is_empty() {
         return call.usage("the machine has no rotary axis to turn");
     }
-    let chosen: Vec<Vec<usize>> = match &options.axis {
+    let chosen = match &options.axis {
         None => rotary.iter().map(|axis| vec![*axis]).collect(),
         Some(words) => {
             let find = |word: &str| rotary.iter().copied().find(|i| name(*i) == word.trim());
@@ -256,9 +329,15 @@ fn turns(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOpt
             }
         }
     };
+    Ok(chosen)
+}
+
+fn turns(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
+    let name = |i: usize| machine.axes()[i].name.as_str();
+    let chosen = turning(call, machine, options)?;
     let one = |axes: Vec<usize>| {
         let names: Vec<&str> = axes.iter().map(|i| name(*i)).collect();
-        r_test(machine, at, &axes, options.points.unwrap_or(37))
+        r_test(machine, at, &axes, options.points.unwrap_or(TURN))
             .map_err(|why| not_driven(&format!("an R-test of {} at this place of the ball", names.join("+")), why))
     };
     let axes = chosen.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
@@ -272,7 +351,7 @@ fn lines(
     options: &InstrumentOptions,
     stepped: bool,
 ) -> Result<LaserReadings, Refused> {
-    let diagonals = diagonals(machine, at, options.points.unwrap_or(11), stepped);
+    let diagonals = diagonals(machine, at, options.points.unwrap_or(DIAGONAL), stepped);
     if diagonals.is_empty() {
         return call.refuse(not_driven("a diagonal", Unreachable::Place));
     }

@@ -16,7 +16,7 @@ pub use super::classify::{
 };
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compare_figures::{FittedComparison, FittedMachine, JudgedDifference, MachineVerdict};
-pub use super::compare_targets::{RefusedTarget, TargetComparison, TargetResidual};
+pub use super::compare_targets::{DrawnRepair, RefusedTarget, TargetComparison, TargetResidual};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
 pub use super::compose::ComposedSet;
@@ -38,7 +38,7 @@ pub use super::identify::{
     OutlierPlace, PlannedPose, PredictedUncertainty, ReadingResidual, RepeatedReadings, ResidualGroup, ResidualTest,
     Rms, RmsBeforeAfter, ScatterOfKind, SharedUncertainty, SuspectReadings,
 };
-pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
+pub use super::instrument::{InstrumentResult, LaserReadings, Readings, ReadingsOfBounds};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
 pub use super::map_result::{
     BeyondMeasured, BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose,
@@ -60,7 +60,7 @@ pub use crate::analysis::budget::{
 };
 pub use crate::analysis::enumerate::{FittedArrangement, RoundCount};
 pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};
-pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
+pub use crate::analysis::instrument::{BallBar, BoundedReading, Diagonal, RTest, RTestReading};
 pub use crate::analysis::zone::{CharacteristicKind, ZoneFit};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{

@@ -167,6 +167,26 @@ impl Machine {
         Self { parts, tool: self.tool }
     }
 
+    /// Returns the same machine with other errors, of each axis and then of the spindle: nothing else of it is measured
+    /// or bounded.
+    pub(crate) fn with_errors(&self, errors: Vec<JointErrors>) -> Self {
+        let (uncertainty, covariance, forms, unheld) = Default::default();
+        let (setup, tolerances, measured) = Default::default();
+        let parts = self.parts.clone();
+        self.with_parts(MachineParts {
+            errors,
+            setup,
+            uncertainty,
+            covariance,
+            forms,
+            unheld,
+            measured,
+            tolerances,
+            class: None,
+            ..parts
+        })
+    }
+
     /// Returns its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
     pub fn to_parts(&self) -> MachineParts {
         let mut parts = self.parts.clone();

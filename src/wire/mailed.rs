@@ -97,6 +97,10 @@ fn asked(file: &MachineFile, others: &[&str], options: &ReportOptions, settings:
     if !file.look.meshes.is_empty() {
         questions.push(json!({"look": settings["look"]}));
     }
+    if bounded_only(file).is_some() {
+        let repair = |name: &String| json!({"repair": {"target": name, "machines": DRAWN_MACHINES}});
+        questions.extend(options.targets.iter().map(repair));
+    }
     let known = |questions: &[Value], over: &Value| -> Vec<Value> {
         let pairs = questions.iter().zip(ask(questions, over));
         pairs.map(|(question, answer)| json!({"question": question, "answer": answer, "over": over})).collect()
@@ -104,7 +108,7 @@ fn asked(file: &MachineFile, others: &[&str], options: &ReportOptions, settings:
     let mut all = known(&questions, &over);
     // Beside a job the page shows the volume, too.
     if file.job.is_some() || job_file(options).is_some() || options.tool_poses.is_some() {
-        let scoped = ["map", "sources", "budget", "reach", "compare"];
+        let scoped = ["map", "sources", "budget", "reach", "compare", "repair"];
         questions.retain(|question| scoped.iter().any(|of| question[of].is_object()));
         all.extend(known(&questions, &Value::Null));
     }
@@ -116,6 +120,9 @@ fn asked(file: &MachineFile, others: &[&str], options: &ReportOptions, settings:
     json!({"machine": file.path(), "tool": tool, "text": text, "known": all,
         "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
 }
+
+/// Number of machines drawn between bounds that the page corrects.
+const DRAWN_MACHINES: usize = 11;
 
 /// Returns the job file of a report.
 fn job_file(options: &ReportOptions) -> Option<&PathBuf> {

@@ -238,7 +238,7 @@ pub fn results() -> Value {
 /// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
 pub fn answers() -> Value {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
-    let answers: [ResultSchema; 11] = [
+    let answers: [ResultSchema; 12] = [
         SchemaGenerator::subschema_for::<MachineSummary>,
         SchemaGenerator::subschema_for::<ChainResult>,
         SchemaGenerator::subschema_for::<MapResult>,
@@ -250,6 +250,7 @@ pub fn answers() -> Value {
         SchemaGenerator::subschema_for::<CompareResult>,
         SchemaGenerator::subschema_for::<InstrumentResult>,
         SchemaGenerator::subschema_for::<TargetSummary>,
+        SchemaGenerator::subschema_for::<TargetComparison>,
     ];
     for result in answers {
         let _ = result(&mut generator);

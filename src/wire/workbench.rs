@@ -4,6 +4,7 @@
 //! once, and every answer has the shape that the verb of the program prints with `--format json`.
 
 use super::share::{MapPart, MapShare};
+use crate::api::certificate::CertifiedWork;
 use crate::api::look::{LookOptions, LookResult, look};
 use crate::api::map::map_of_parts;
 use crate::api::map_result::MapPoses;
@@ -12,9 +13,9 @@ use crate::api::results::{MapResult, PlacementResult, ReachResult};
 use crate::api::sources::all_words;
 use crate::api::summary::error_numbers;
 use crate::api::{
-    BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, PlacementOptions, ReachOptions,
-    SourcesOptions, budget, compare, eval, instrument, machine_dialogue, map_tables, place, reach, schema, show,
-    sources, summary, targets,
+    BudgetOptions, CompareOptions, CompareTargetsOptions, EvalOptions, InstrumentOptions, MapOptions, PlacementOptions,
+    ReachOptions, SourcesOptions, budget, compare, compare_targets, eval, instrument, machine_dialogue, map_tables,
+    place, reach, schema, show, sources, summary, targets,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::job_file::{JobPaths, NO_JOB};
@@ -99,6 +100,10 @@ impl PartScope {
             }
             Question::Budget(of) => Question::Budget(BudgetOptions { tool_poses, job, reference, path, ..of.clone() }),
             Question::Reach(of) => Question::Reach(ReachOptions { tool_poses, job, reference, path, ..of.clone() }),
+            Question::Repair(of) => {
+                let work = CertifiedWork { tool_poses, job, path, reference };
+                Question::Repair(CompareTargetsOptions { work, ..of.clone() })
+            }
             Question::Compare(with) => {
                 let options = CompareOptions { tool_poses, job, reference, path, ..with.options.clone() };
                 Question::Compare(Box::new(CompareWith { options, ..*with.clone() }))
@@ -122,6 +127,10 @@ impl PartScope {
             Question::Budget(of) if of.tool_poses.is_none() && of.job.is_none() => {
                 let reference = Some(stated(&of.reference).unwrap_or_default());
                 Question::Budget(BudgetOptions { job: none, reference, ..of.clone() })
+            }
+            Question::Repair(of) if of.work.tool_poses.is_none() && of.work.job.is_none() => {
+                let work = CertifiedWork { job: none, ..of.work.clone() };
+                Question::Repair(CompareTargetsOptions { work, ..of.clone() })
             }
             Question::Reach(of) if of.tool_poses.is_none() && of.job.is_none() => {
                 Question::Reach(ReachOptions { job: none, ..of.clone() })
@@ -170,6 +179,8 @@ pub enum Question {
     Look(LookOptions),
     /// The controllers, in short.
     Targets,
+    /// What the files of a target take off machines drawn between bounds.
+    Repair(CompareTargetsOptions),
     /// The errors that are one number, wherever it stands, by name.
     Numbers,
     /// Words for each error of the axes and the spindle, by name.
@@ -342,6 +353,7 @@ impl Question {
             Self::Instrument(options) => document(instrument(machine, options, run)),
             Self::Look(options) => document(look(machine, options, run).map(with_size)),
             Self::Targets => json!(targets()),
+            Self::Repair(options) => document(compare_targets(machine, options, run)),
             Self::Numbers => json!(error_numbers(machine)),
             Self::Words => json!(all_words(machine)),
             Self::Schema if cfg!(feature = "schema") => schema(),
@@ -523,10 +535,11 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
                 {"compare": {"first": "m.yaml", "options": {"samples": count}}},
                 {"compare": {"first": "m.yaml", "options": {"max_samples": count}}},
                 {"instrument": {"points": count}},
+                {"repair": {"poses": count}},
             ]);
             let found = ask(&bounded, questions.clone());
             let answers = found["answers"].as_array().unwrap();
-            assert_eq!(answers.len(), 10);
+            assert_eq!(answers.len(), 11);
             for (answer, question) in answers.iter().zip(questions.as_array().unwrap()) {
                 assert_eq!(answer["refused"], true, "{question}: {answer}");
             }

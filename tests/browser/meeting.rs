@@ -332,6 +332,23 @@ pub fn narrow() {
     bench.quiet();
 }
 
+/// What an acceptance test reads and what a control could repair is answered of bounds, too.
+fn answers_of_bounds(bench: &Bench) {
+    wait(&bench.browser, "return document.querySelector('[data-at=answer-bar]') !== null;");
+    let bar = bench.command("instrument", &["ball-bar"]);
+    let planes = bar["bounds"]["readings"].as_array().unwrap().iter().map(|of| of["p95_um"]["value"].as_f64().unwrap());
+    assert_eq!(bench.figure("answer-bar"), planes.fold(0.0, f64::max));
+    wait(&bench.browser, "return document.querySelectorAll('#target option').length > 5;");
+    fill(bench, "target", "linuxcnc-kins");
+    wait(&bench.browser, "return document.querySelector('#answer-repair [data-at=answer-after]') !== null;");
+    let [before, after] = ["before", "after"].map(|of| bench.figure(&format!("answer-{of}")));
+    let said = bench.browser.run("return document.getElementById('answer-repair').textContent;");
+    let said = said.as_str().unwrap();
+    assert!(after < 0.5 * before && said.contains("of 11 machines drawn between the bounds"), "{said}");
+    let tests = bench.browser.run("return document.querySelectorAll('#panel-acceptance tbody tr').length;");
+    assert_eq!(tests, 3 + 6 + 4, "rows of the tests");
+}
+
 /// With a job everything is over it and its reference, as the command line has it, and a switch shows the volume.
 pub fn scope() {
     const P95: &str = "/position_um/monte_carlo/percentiles/p95/value";
@@ -362,6 +379,7 @@ pub fn scope() {
         assert_eq!(map["limit"]["held"] == false, verdict.starts_with("Fails"), "{verdict} {}", map["limit"]);
         if is_bounded {
             assert_eq!(Some(headline), bench.command("budget", &[]).pointer(P95).and_then(Value::as_f64));
+            answers_of_bounds(&bench);
         } else {
             assert_eq!(Some(headline), map["position_um"]["max"].as_f64());
             // The errors alone, as deviations of machines that have no other.

@@ -14,6 +14,7 @@ mod bad_input;
 mod ball_touches;
 mod bound_words;
 mod bounded;
+mod bounded_tests;
 mod budget;
 mod buildable;
 mod certificate;

@@ -5,6 +5,27 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
+from .deviations import Percentile
+
+
+class BoundedReading(Record):
+    """A reading to which bounds lead."""
+
+    name: Annotated[str, "The plane, the axis with a direction, or the senses along a diagonal."]
+    rss_um: Annotated[float, "Root of the sum of squares of what 95 % of machines read in which one bound acts alone, um."]
+    p95_um: Annotated[Percentile, "The reading that 95 % of the machines drawn do not exceed, um."]
+
+
+class ReadingsOfBounds(Record):
+    """Readings to which bounds lead, first order, without reversal."""
+
+    errors: Annotated[int, "Number of bounded errors."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    readings: Annotated[list[BoundedReading], "Circular deviation G(b) of each plane, ranges of an R-test along X, Y and Z, or E_d of each diagonal."]
 
 
 class BothSenses(Record):
@@ -71,6 +92,7 @@ class InstrumentFields(Record):
     """Readings of an instrument on a machine, exact model."""
 
     machine: Annotated[str, "Name of the machine."]
+    bounds: Annotated[Union[ReadingsOfBounds, None], "Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero."]
     instrument: Annotated[Literal["ball_bar", "r_test", "diagonals", "step_diagonals"], ""]
     centre: Annotated[Union[Named[float], None], "Centre of the circles, mm and deg."]
     radius_mm: Annotated[Union[float, None], "Length of the ball bar, mm."]

@@ -17,6 +17,15 @@ class CertifiedFigures(Record):
     tool_axis_urad: Annotated[Summary, "Tilt of the tool axis, urad."]
 
 
+class DrawnRepair(Record):
+    """What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all."""
+
+    machines: Annotated[int, "Number of machines drawn."]
+    least: Annotated[float, "The least."]
+    median: Annotated[float, "The median; of an even number the lower one."]
+    most: Annotated[float, "The most."]
+
+
 class TargetResidual(Record):
     """The errors that the files of a target leave."""
 
@@ -26,6 +35,7 @@ class TargetResidual(Record):
     over: Annotated[Over, "Poses and reference of the figures."]
     uncompensated: Annotated[CertifiedFigures, "Without the files."]
     compensated: Annotated[CertifiedFigures, "With the files."]
+    drawn: Annotated[Union[DrawnRepair, None], "What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median."]
     remarks: Annotated[list[str], "Warnings of the files, such as that the scale in force is not known."]
 
 

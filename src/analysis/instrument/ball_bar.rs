@@ -1,10 +1,11 @@
 //! A ball bar: the distance of a ball at the functional point from a ball on the workpiece while the
 //! machine drives a circle about it, in both senses.
 
+use super::bounded::DrivenPath;
 use super::path::{PosePath, deviation_from, hold};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::lower::into_part;
-use crate::machine::{Approach, Machine, sin_cos_degrees};
+use crate::machine::{Approach, Machine, Pose, sin_cos_degrees};
 use crate::standards::{BothSenses, range};
 use nalgebra::Vector3;
 
@@ -79,27 +80,73 @@ pub fn ball_bar(
     radius_mm: f64,
     points: usize,
 ) -> Result<BallBar, Unreachable> {
-    let middle = tool_pose(machine, centre).tip;
-    let [u, v] = plane.directions();
-    let arm = |angle: &f64| {
-        let (sine, cosine) = sin_cos_degrees(*angle);
-        let mut arm = Vector3::zeros();
-        (arm[u], arm[v]) = (radius_mm * cosine, radius_mm * sine);
-        arm
-    };
-    let angles: Vec<f64> = (0..points).map(|i| 360.0 * i as f64 / points as f64).collect();
-    let there = hold(machine, centre, angles.iter().map(|angle| middle + arm(angle)))?;
+    let Circle { angles, arms, poses: there } = Circle::new(machine, centre, plane, radius_mm, points)?;
     let back = there.iter().rev().cloned().collect();
     let ball = deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
     let read = |deviations: Vec<Vector3<f64>>| -> Vec<f64> {
-        let length = |(d, angle): (Vector3<f64>, &f64)| (arm(angle) + into_part(machine, d - ball)).norm();
-        let one = |at: (Vector3<f64>, &f64)| (length(at) - radius_mm) * 1e3;
-        deviations.into_iter().zip(&angles).map(one).collect()
+        let length = |(d, arm): (Vector3<f64>, &Vector3<f64>)| (arm + into_part(machine, d - ball)).norm();
+        let one = |at: (Vector3<f64>, &Vector3<f64>)| (length(at) - radius_mm) * 1e3;
+        deviations.into_iter().zip(&arms).map(one).collect()
     };
     let forward = read(PosePath { poses: there, closed: true }.deviations(machine));
     let mut reverse = PosePath { poses: back, closed: true }.deviations(machine);
     reverse.reverse();
     Ok(evaluate(plane, radius_mm, angles.clone(), [forward, read(reverse)]))
+}
+
+/// A circle that the linear axes drive about a ball.
+struct Circle {
+    angles: Vec<f64>,
+    /// From the ball to the functional point, workpiece frame, mm.
+    arms: Vec<Vector3<f64>>,
+    poses: Vec<Pose>,
+}
+
+impl Circle {
+    fn new(
+        machine: &Machine,
+        centre: &[f64],
+        plane: Plane,
+        radius_mm: f64,
+        points: usize,
+    ) -> Result<Self, Unreachable> {
+        let middle = tool_pose(machine, centre).tip;
+        let [u, v] = plane.directions();
+        let arm = |angle: &f64| {
+            let (sine, cosine) = sin_cos_degrees(*angle);
+            let mut arm = Vector3::zeros();
+            (arm[u], arm[v]) = (radius_mm * cosine, radius_mm * sine);
+            arm
+        };
+        let angles: Vec<f64> = (0..points).map(|i| 360.0 * i as f64 / points as f64).collect();
+        let arms: Vec<Vector3<f64>> = angles.iter().map(arm).collect();
+        let poses = hold(machine, centre, arms.iter().map(|arm| middle + arm))?;
+        Ok(Self { angles, arms, poses })
+    }
+}
+
+/// Returns the circle of [`ball_bar`] with its circular deviation about its own least-squares centre. The last pose is
+/// that of the ball.
+pub fn circle_path<'a>(
+    machine: &'a Machine,
+    centre: &[f64],
+    plane: Plane,
+    radius_mm: f64,
+    points: usize,
+) -> Result<DrivenPath<'a>, Unreachable> {
+    let Circle { angles, arms, mut poses } = Circle::new(machine, centre, plane, radius_mm, points)?;
+    poses.push(centre.to_vec());
+    let directions: Vec<(f64, f64)> = angles.iter().map(|angle| sin_cos_degrees(*angle)).collect();
+    let readings = move |deviations: &[Vector3<f64>]| {
+        let ball = deviations.last().copied().unwrap_or_default();
+        let length = |(d, arm): (&Vector3<f64>, &Vector3<f64>)| (arm + into_part(machine, d - ball)).norm() - radius_mm;
+        let read: Vec<f64> = deviations.iter().zip(&arms).map(length).collect();
+        let turned = read.iter().zip(&directions);
+        let [s, c] = turned.clone().fold([0.0; 2], |[s, c], (r, (sine, cosine))| [s + r * sine, c + r * cosine]);
+        let [s, c] = [s, c].map(|sum| 2.0 * sum / read.len() as f64);
+        vec![range(turned.map(|(r, (sine, cosine))| r - s * sine - c * cosine))]
+    };
+    Ok(DrivenPath { names: vec![plane.name().to_owned()], poses, readings: Box::new(readings) })
 }
 
 /// Returns the parts of sine and cosine of a multiple of the angle (deg), over even steps of a turn.

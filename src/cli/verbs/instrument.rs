@@ -6,7 +6,9 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use abbe::options::{CirclePlane, Instrument};
-use abbe::results::{BallBar, Diagonal, InstrumentResult, LaserReadings, RTest, Readings};
+use abbe::results::{
+    BallBar, BoundedReading, Diagonal, InstrumentResult, LaserReadings, RTest, Readings, ReadingsOfBounds,
+};
 use abbe::text::{cell, significant};
 use abbe::{InstrumentOptions, instrument};
 use std::path::PathBuf;
@@ -76,12 +78,37 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Readings::RTest { axes, .. } => turns_csv(axes),
         Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_csv(&of.diagonals),
     };
-    let text = || match &result.readings {
+    let exact = || match &result.readings {
         Readings::BallBar { radius_mm, planes, .. } => circles_text(&result, *radius_mm, planes),
         Readings::RTest { axes, .. } => turns_text(&result, axes),
         Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_text(&result, of),
     };
+    let text = || result.bounds.as_ref().map_or_else(exact, |of| bounds_text(&result, of));
     session.show(&result, csv, text)
+}
+
+/// The readings of machines drawn: those of the machine without errors say nothing.
+fn bounds_text(result: &InstrumentResult, of: &ReadingsOfBounds) -> String {
+    let what = match &result.readings {
+        Readings::BallBar { radius_mm, .. } => {
+            format!("G(b) of a ball bar of {} mm about {}", significant(*radius_mm, 6), result.place())
+        }
+        Readings::RTest { .. } => format!("ranges of an R-test with the ball where the tool is at {}", result.place()),
+        Readings::Diagonals(_) | Readings::StepDiagonals(_) => {
+            format!("E_d of a laser along the diagonals{}", result.standing())
+        }
+    };
+    let mut rows = table(&["reading", "RSS, um", "95 %, um", "from", "to"]);
+    for BoundedReading { name, rss_um, p95_um } in &of.readings {
+        let ends = [p95_um.low, p95_um.high].map(|end| end.map_or_else(|| "-".to_owned(), um));
+        let _ = rows.add_row([name.clone(), um(*rss_um), um(p95_um.value)].into_iter().chain(ends));
+    }
+    format!(
+        "{}: {what}\nNothing is measured: readings of {} machines drawn between {} bounds, without reversal.\n{rows}\n\
+         95 %: what 95 of 100 machines do not exceed, with its interval. RSS: root of the sum of squares of that value \
+         with one bound alone.\n",
+        result.machine, of.drawing.samples, of.errors
+    )
 }
 
 fn um(x: f64) -> String {

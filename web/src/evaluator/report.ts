@@ -159,7 +159,7 @@ function policy(): string {
 }
 
 /** Questions whose answer depends on the part that they are over. */
-const SCOPED = /^(map|sources|budget|reach|compare)$/;
+const SCOPED = /^(map|sources|budget|reach|compare|repair)$/;
 
 function answer(machine: ReportMachine, question: Question, over: Request["over"]): unknown {
   const { answer: known, rows, samples } = machine.eval;

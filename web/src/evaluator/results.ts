@@ -195,6 +195,16 @@ export interface BoundedLengths {
   monte_carlo: DrawnMachineFigures;
 }
 
+/** A reading to which bounds lead. */
+export interface BoundedReading {
+  /** The plane, the axis with a direction, or the senses along a diagonal. */
+  name: string;
+  /** Root of the sum of squares of what 95 % of machines read in which one bound acts alone, um. */
+  rss_um: number;
+  /** The reading that 95 % of the machines drawn do not exceed, um. */
+  p95_um: Percentile;
+}
+
 /** A side of the bed. */
 export type Branch = "workpiece" | "tool";
 
@@ -264,6 +274,16 @@ export interface BudgetResult {
   goal?: ToleranceGoal | null;
   /** Contributions at the pose that was named. */
   at?: ContributionsAt | null;
+}
+
+/** Figures of a certificate: statistics of a field over poses. */
+export interface CertifiedFigures {
+  /** Deviation of the functional point, um. */
+  position_um: Summary;
+  /** Rotation of the tool, urad. */
+  rotation_urad: Summary;
+  /** Tilt of the tool axis, urad. */
+  tool_axis_urad: Summary;
 }
 
 /** An axis of a chain, in machine coordinates at the zero pose. */
@@ -773,6 +793,18 @@ export interface DrawnMachineFigures {
   percentiles: Record<string, PercentileInterval>;
 }
 
+/** What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all. */
+export interface DrawnRepair {
+  /** Number of machines drawn. */
+  machines: number;
+  /** The least. */
+  least: number;
+  /** The median; of an even number the lower one. */
+  median: number;
+  /** The most. */
+  most: number;
+}
+
 /** Effect of an error alone in each machine. */
 export interface ErrorContribution {
   /** Name of the error. */
@@ -992,6 +1024,8 @@ export interface InputFile {
 export type InstrumentResult = {
   /** Name of the machine. */
   machine: string;
+  /** Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero. */
+  bounds?: ReadingsOfBounds | null;
 } & ({
   instrument: "ball_bar";
   /** Centre of the circles, mm and deg. */
@@ -1619,8 +1653,38 @@ export interface ReachedToolPoses {
   travel: NeededTravel[];
 }
 
+/** Readings to which bounds lead, first order, without reversal. */
+export interface ReadingsOfBounds {
+  /** Number of bounded errors. */
+  errors: number;
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
+  /** Circular deviation G(b) of each plane, ranges of an R-test along X, Y and Z, or E_d of each diagonal. */
+  readings: BoundedReading[];
+}
+
 /** What is taken out of the deviations of a part. */
 export type ReferenceKind = "machine" | "machine-less-unheld" | "zero" | "zero-less-unheld" | "datum" | "best-fit";
+
+/** A target that has no files for a machine. */
+export interface RefusedTarget {
+  /** Its name. */
+  target: string;
+  /** Code of the diagnostic. */
+  code: string;
+  /** The reason. */
+  why: string;
+}
 
 /** The side of the motion on which the component errors of a rotary axis act. */
 export type RotaryOrder = "stationary" | "rotating";
@@ -1674,6 +1738,36 @@ export interface TargetCertainty {
   level: string;
   /** The source. */
   source: string;
+}
+
+/** The targets that are for a machine, the one that leaves least first, and those that are not. */
+export interface TargetComparison {
+  /** Name of the machine. */
+  machine: string;
+  /** Those with files for the machine. */
+  targets: TargetResidual[];
+  /** Those without. */
+  refused: RefusedTarget[];
+}
+
+/** The errors that the files of a target leave. */
+export interface TargetResidual {
+  /** Its name; of kinematic parameters with tables for what they leave `A+B`. */
+  target: string;
+  /** Errors that it corrects, in words. */
+  expresses: string;
+  /** Certainty of the format of each, in a word. */
+  syntax: string[];
+  /** Poses and reference of the figures. */
+  over: Over;
+  /** Without the files. */
+  uncompensated: CertifiedFigures;
+  /** With the files. */
+  compensated: CertifiedFigures;
+  /** What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median. */
+  drawn?: DrawnRepair | null;
+  /** Warnings of the files, such as that the scale in force is not known. */
+  remarks: string[];
 }
 
 /** A controller in short. */

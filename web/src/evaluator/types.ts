@@ -19,6 +19,7 @@ export type Question =
   | { compare: { first: string; more: string[]; options: Options } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | { look: Options }
+  | { repair: { target: string; machines: number } }
   | "targets"
   | "numbers"
   | "words"
@@ -191,6 +192,9 @@ export type BallBar = Extract<results.InstrumentResult, { instrument: "ball_bar"
 export type RTest = Extract<results.InstrumentResult, { instrument: "r_test" }>;
 
 export type Diagonals = Extract<results.InstrumentResult, { instrument: "diagonals" }>;
+
+/** What targets leave of a machine, or take off machines drawn between its bounds. */
+export type Repair = results.TargetComparison;
 
 /** The cheapest tolerances for a goal. */
 export type ToleranceGoal = results.ToleranceGoal;

@@ -1,12 +1,14 @@
 /** What an acceptance test will read: ball bar, R-test and laser diagonals on this machine. */
 
 import { Newest } from "../evaluator/newest";
+import type { InstrumentResult } from "../evaluator/results";
 import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type Vec3 } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
 import type { Answer, Tell } from "./answers";
 import { make } from "../ui/dom";
 import { folding, row, table, tableFiles } from "../ui/table";
-import { figure } from "./number";
+import { counted, figure } from "./number";
+import { between } from "../units";
 
 export class Acceptance {
   private readonly body = make("div", { "aria-live": "polite" });
@@ -25,15 +27,6 @@ export class Acceptance {
   show(state: State): void {
     this.body.classList.toggle("stale", !isSettled(state));
     if (!isSettled(state)) return;
-    if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
-      const words = "Nothing of this machine is measured: what a test reads depends on the errors that it will have.";
-      this.tell("test", {
-        words: "Once measured",
-        mark: "open",
-        why: ["Readings depend on the errors that it will have."],
-      });
-      return this.body.replaceChildren(make("p", { class: "words" }, words));
-    }
     const { machine } = state.now.chain;
     void this.asking.do(async () => {
       const tests = (["ball_bar", "r_test", "diagonals"] as const).map((instrument) => ({
@@ -41,11 +34,18 @@ export class Acceptance {
       }));
       const [bar, turn, lines] = await this.session.askAtRest(tests);
       if (bar === undefined) return;
+      const answers = [bar, turn, lines];
+      const bounds = answers.map((of) => accepted<Bounded>(of)?.bounds);
+      if (bounds.some((of) => of)) {
+        this.tell("test", ofBounds(bounds[0], bounds[2]));
+        return this.bounded(machine, answers);
+      }
+      if (isUnknown(state)) return this.nothing();
       this.tell("test", readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
       const sections = [
-        section("Ball bar, ISO 230-4", "bidirectional circular deviation", bar, circles),
-        section("R-test", "range of the ball's reading along X, Y, Z", turn, turns),
-        section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
+        section(...TESTS[0], bar, circles),
+        section(...TESTS[1], turn, turns),
+        section(TESTS[2][0], `${TESTS[2][1]} and reversal`, lines, diagonals),
       ];
       const tables = sections.flatMap((of) => [...of.querySelectorAll("table")]);
       const over = "Readings of the machine by itself: circles, balls and diagonals in its volume, whatever the job.";
@@ -56,6 +56,74 @@ export class Acceptance {
       );
     });
   }
+
+  /** No error has a value or a bound. */
+  private nothing(): void {
+    const words = "No error has a value or a bound: what a test reads depends on the errors.";
+    this.tell("test", { words: "Not known", mark: "open", why: [words] });
+    this.body.replaceChildren(make("p", { class: "words" }, words));
+  }
+
+  /** The readings of machines drawn between bounds. */
+  private bounded(machine: string, answers: unknown[]): void {
+    const sections = TESTS.map(([title, words], i) => {
+      const found = accepted<Bounded>(answers[i])?.bounds;
+      const rows = (found?.readings ?? []).map(({ name, rss_um, p95_um: { value, low, high } }) =>
+        row(
+          signs(name),
+          figure(`rss-${i}-${name}`, rss_um, "µm"),
+          figure(`p95-${i}-${name}`, value, "µm"),
+          typeof low === "number" && typeof high === "number" ? between([low, high]) : "",
+        ),
+      );
+      if (!rows.length) return section<Bounded>(title, words, answers[i], () => []);
+      const list = table(["", "RSS", "95 % of machines", "interval"], rows);
+      list.prepend(make("caption", { class: "words" }, words));
+      return folding(title, list);
+    });
+    const drawn = answers.map((of) => accepted<Bounded>(of)?.bounds).find((of) => of);
+    const words =
+      `Nothing is measured: readings of ${counted(drawn?.samples ?? 0)} machines drawn between the bounds, without ` +
+      "reversal, in the volume, whatever the job. RSS: root of the sum of squares of the 95 % reading with one bound alone.";
+    const tables = sections.flatMap((of) => [...of.querySelectorAll("table")]);
+    this.body.replaceChildren(
+      make("p", { class: "words" }, words),
+      ...sections,
+      make("p", { class: "files" }, ...tableFiles("acceptance", `${machine}: acceptance test`, ...tables)),
+    );
+  }
+}
+
+type Bounded = InstrumentResult;
+
+const TESTS = [
+  ["Ball bar, ISO 230-4", "bidirectional circular deviation"],
+  ["R-test", "range of the ball's reading along X, Y, Z"],
+  ["Laser along body diagonals, ISO 230-6", "systematic deviation"],
+] as const;
+
+const isUnknown = ({ now }: State): boolean => now?.map?.from === "bounds" || !now?.sources?.errors.length;
+
+type Readings = InstrumentResult["bounds"];
+
+/** The largest readings of 95 % of drawn machines, with their intervals. */
+function ofBounds(bar: Readings, lines: Readings): Answer {
+  const words = [
+    ...largest("Ball bar", "answer-bar", bar),
+    ...(bar && lines ? ["; "] : []),
+    ...largest(bar ? "diagonal" : "Diagonal", "answer-diagonal", lines),
+  ];
+  if (!words.length) return { words: "No test", mark: "open", why: ["None of these tests fits this machine."] };
+  const why = [`95 of 100 machines built to the bounds, in the volume.`];
+  return { words: "At most", figure: words, why };
+}
+
+function largest(test: string, at: string, of: Readings): (Node | string)[] {
+  const [first] = [...(of?.readings ?? [])].sort((a, b) => b.p95_um.value - a.p95_um.value);
+  if (!first) return [];
+  const { value, low, high } = first.p95_um;
+  const interval = typeof low === "number" && typeof high === "number" ? ` (${between([low, high])})` : "";
+  return [`${test} ${signs(first.name)} `, figure(at, value, "µm"), interval];
 }
 
 /** The largest readings: one line. */
@@ -72,7 +140,7 @@ function readings(bar: BallBar | null, lines: Diagonals | null): Answer {
   return { words: "At most", figure: words, why: ["Of the machine by itself, in its volume."] };
 }
 
-const signs = (name: string) => name.replaceAll("p", "+").replaceAll("n", "−");
+const signs = (name: string) => (/^[pn]+$/.test(name) ? name.replaceAll("p", "+").replaceAll("n", "−") : name);
 
 type Row = [string, Node[]];
 

@@ -6,6 +6,7 @@ import {
   type Over,
   type Question,
   type Refusal,
+  type Repair,
   type Summary,
   type Target,
   refusals,
@@ -28,6 +29,11 @@ interface Compensated {
 
 /** Rest before all controls are asked, one after the other, ms: an edit or a choice comes first. */
 const REST = 4000;
+
+/** Number of machines drawn between bounds that a control corrects: files are made for each. */
+const MACHINES = 11;
+
+const percent = (share: number) => `${Math.round(100 * share)} %`;
 
 /** What a control leaves. */
 interface Left {
@@ -76,7 +82,7 @@ export class Control {
       const name = this.select.value;
       const target = this.targets.find((of) => of.target === name);
       if (!target) return this.nothing(turn);
-      if (this.isBounded) return this.inKind(target);
+      if (this.isBounded) return await this.inKind(target);
       const [answer] = await this.session.askAtRest([corrected(name)]);
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
@@ -86,16 +92,38 @@ export class Control {
     });
   }
 
-  /** Nothing is measured: a control corrects errors of its kind once they are. */
-  private inKind(target: Target): void {
-    const words =
-      "Nothing of this machine is measured: what it corrects are values of these kinds, once they are known.";
-    this.body.replaceChildren(make("p", { class: "words" }, words), ...limits(target));
-    this.tell("repair", {
-      words: "Once measured",
-      mark: "open",
-      why: [`${target.title} corrects ${target.expresses}.`],
-    });
+  /** Nothing is measured: machines are drawn between the bounds, and the control corrects each. */
+  private async inKind(target: Target): Promise<void> {
+    const [answer] = await this.session.askAtRest([{ repair: { target: target.target, machines: MACHINES } }]);
+    if (answer === undefined) return;
+    const found = accepted<Repair>(answer);
+    const of = found?.targets[0];
+    const refusal = found?.refused.map(({ why }) => why) ?? refusals(answer);
+    if (!of?.drawn) {
+      const why = of ? [`${target.title} corrects ${target.expresses}; no error is bounded.`] : refusal;
+      this.body.replaceChildren(...why.map((line) => make("p", { class: "refused" }, line)), ...limits(target));
+      return this.tell("repair", { words: of ? "Not known" : "Refused", mark: "open", why });
+    }
+    const { least, median, most, machines } = of.drawn;
+    const by = judged(of.over);
+    const [before, after] = [of.uncompensated.position_um[by], of.compensated.position_um[by]];
+    const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
+    const spread = `${percent(least)} to ${percent(most)} of ${machines} machines drawn between the bounds`;
+    const list = table(
+      ["Figure", "as it is", "corrected"],
+      [
+        row(
+          by === "max" ? "Largest deviation" : "95 % of the poses",
+          figure("without", before, "µm"),
+          figure("with", after, "µm"),
+        ),
+      ],
+    );
+    list.prepend(make("caption", { class: "words" }, `Deviation ${scopeOf(of.over)}, of the machine with the median`));
+    const words = `The files of this control take off ${percent(median)}; ${spread}. Measured, it would be known.`;
+    this.body.replaceChildren(make("p", { class: "words" }, words), list, ...limits(target));
+    const why = [`With ${target.title}, once measured; ${spread}.`];
+    this.tell("repair", { words: `${percent(median)}:`, mark: after < before ? "yes" : "no", figure: both, why });
   }
 
   /** No control is chosen: all are tried, or of a machine of which nothing is measured named with what they correct. */

@@ -19,6 +19,7 @@
 //! 10. [`draw_largest_steps()`]: the largest step of the deviation between poses of a path, in drawn machines.
 //! 11. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //! 12. [`StayingErrors`]: errors with values that no bound stands for; they act in every machine drawn.
+//! 13. [`drawn_machine()`]: a drawn machine as one with values.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -27,6 +28,7 @@ mod cost;
 mod coverage;
 mod draw;
 mod drawn_figures;
+mod drawn_machine;
 mod goal;
 mod kernel;
 mod monte_carlo;
@@ -50,6 +52,7 @@ pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(crate) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
 pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures, drawn_positions};
+pub use drawn_machine::drawn_machine;
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, by_joint, columns,
