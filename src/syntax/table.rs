@@ -176,8 +176,9 @@ impl TableReader<'_> {
     fn report_ragged(&mut self, row: &Range<usize>, found: usize, expected: usize) {
         let cells = if found == 1 { "cell" } else { "cells" };
         let message = format!("this row has {found} {cells}, the header has {expected}");
-        let help = if found == 2 * expected {
-            "for decimal commas write decimal points, or let `abbe import` make the table of the instrument's file"
+        let help = if found > expected {
+            "for decimal commas write decimal points, or let `abbe import` make the table of the instrument's file; \
+             digits are not grouped, and comments begin with `#`"
         } else {
             "give every row a value for every column; leave out rows that were not measured"
         };

@@ -414,3 +414,20 @@ fn a_wrong_row_of_few_and_a_machine_seen_by_eye_are_warned_of() {
 fn noise(i: f64) -> f64 {
     [0.0, 0.4, -0.7, 0.9, -0.3][i as usize]
 }
+
+#[test]
+fn travels_and_letters_that_are_seldom_meant_are_asked_about() {
+    let folder = Folder::new("seldom");
+    let [x, a] = ["X: { travel: [0, 500]", "A: { travel: [-90, 90]"];
+    for (from, to, asks) in [
+        (x, "X: { travel: [0 mm, 500 m]", "axis `X` travels from 0 to 500000 mm"),
+        (a, "A: { travel: [-110 rad, 110 rad]", "axis `A` travels from -6302.54 to 6302.54 deg"),
+        (a, "A: { direction: [0, 0, 1], travel: [-90, 90]", "axis `A` turns about Z: by ISO 841 such an axis is `C`"),
+    ] {
+        let file = folder.with("m.yaml", &FIVE.replace(from, to));
+        let (code, said) = refused(&["check", text(&file)]);
+        assert!(code == 0 && said.contains(asks), "{to}: {said}");
+    }
+    let file = folder.with("m.yaml", FIVE);
+    assert_eq!(refused(&["check", text(&file)]).1, "");
+}

@@ -238,7 +238,9 @@ fn from_points(
     for (i, point) in points.iter().enumerate() {
         let here = below(at, i);
         let [position, value] = &point[..] else {
-            context.at_value(codes::E0410, &here, "a point has a position and a value", "write [250 mm, 1.2 um]");
+            let help =
+                if point.len() > 2 { "write [250 mm, 1.2 um], with decimal points" } else { "write [250 mm, 1.2 um]" };
+            context.at_value(codes::E0410, &here, "a point has a position and a value", help);
             continue;
         };
         let position = context.position(position, of.kind, &below(&here, 0));

@@ -132,7 +132,8 @@ impl Context<'_> {
     pub fn vector(&mut self, list: &[Scalar], at: &Keys) -> Option<[f64; 3]> {
         if list.len() != 3 {
             let message = format!("`{}` has {} numbers, a point has three", dotted_path(at), list.len());
-            let help = slip_in_list(list).unwrap_or_else(|| "write [x, y, z] in machine coordinates (mm)".to_owned());
+            let help = slip_in_list(list)
+                .unwrap_or_else(|| "write [x, y, z] in machine coordinates, mm, with decimal points".to_owned());
             self.at_value(codes::E0207, at, message, help);
             return None;
         }

@@ -16,6 +16,10 @@ const WIDE_ANGLE: f64 = 2e-3;
 const WIDE_LOCATION: f64 = 5e-3;
 /// A displacement of the gauge point by a variant from which on it is another spindle, mm.
 const OTHER_SPINDLE: f64 = 50.0;
+/// A travel of a linear axis above which it is as a rule in another unit, mm: the longest gantries have 60 m.
+const LONGEST: f64 = 1e5;
+/// The same of a rotary axis, deg: ten turns.
+const MOST_TURNED: f64 = 3600.0;
 /// A travel is in radians if its ends are so near (deg) to multiples of five degrees: two decimals of a radian.
 const NEAR: f64 = 0.3;
 /// A length of a machine that is shorter than this, mm, is as a rule one in metres.
@@ -33,6 +37,8 @@ pub fn questions(document: &Document, machine: &Machine, up: Option<[f64; 3]>) -
     let mut found = absent(document, machine);
     found.extend(origins(document, machine));
     found.extend(machine.axes().iter().filter_map(|axis| radians(document, axis)));
+    found.extend(machine.axes().iter().filter_map(|axis| far_travel(document, axis)));
+    found.extend(machine.axes().iter().filter_map(|axis| other_letter(document, axis)));
     found.extend(metres(document, machine));
     found.extend(bare_beside_inches(document, machine));
     let is_stated = moves(machine) && document.workpiece.as_ref().is_some_and(|workpiece| workpiece.origin.is_some());
@@ -120,6 +126,37 @@ fn radians(document: &Document, axis: &Axis) -> Option<Diagnostic> {
     let [from, to] = [min, max].map(|end| significant(libm::round(end.to_degrees()), 4));
     let message = format!("axis `{}` travels from {min} to {max} deg: are these radians?", axis.name);
     let help = format!("write degrees, such as `travel: [{from} deg, {to} deg]`");
+    Some(ask(document, &keys(["axes", axis.name.as_str()]), message, help))
+}
+
+/// Asks about a travel longer than those of machines.
+fn far_travel(document: &Document, axis: &Axis) -> Option<Diagnostic> {
+    let Travel::Range(min, max) = axis.travel else { return None };
+    let (most, unit) = match axis.kind {
+        AxisKind::Linear => (LONGEST, "mm"),
+        AxisKind::Rotary => (MOST_TURNED, "deg"),
+    };
+    if max - min <= most {
+        return None;
+    }
+    let message =
+        format!("axis `{}` travels from {} to {} {unit}", axis.name, significant(min, 6), significant(max, 6));
+    let help = "compare the units of both ends; an axis that turns without end is `travel: continuous`";
+    Some(ask(document, &keys(["axes", axis.name.as_str()]), message, help))
+}
+
+/// Asks about a rotary axis whose letter is that of another direction, along which it turns.
+fn other_letter(document: &Document, axis: &Axis) -> Option<Diagnostic> {
+    let own = ["A", "B", "C"].iter().position(|letter| *letter == axis.name.as_str())?;
+    let along = (0..3).find(|k| axis.direction[*k].abs() > 1.0 - 1e-9)?;
+    if axis.kind != AxisKind::Rotary || along == own {
+        return None;
+    }
+    let (name, direction, letter) = (&axis.name, ["X", "Y", "Z"][along], ["A", "B", "C"][along]);
+    let message = format!("axis `{name}` turns about {direction}: by ISO 841 such an axis is `{letter}`");
+    let help = format!(
+        "names of errors and words of controls follow the letter: call it `{letter}`, or leave `direction` out"
+    );
     Some(ask(document, &keys(["axes", axis.name.as_str()]), message, help))
 }
 
