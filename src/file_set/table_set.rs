@@ -60,7 +60,10 @@ pub(crate) fn render(
     if let Some((name, _)) = scales.clone().find(strange) {
         return call.usage(format!("--scale: the chain has no linear axis `{name}`"));
     }
-    warn_unusual_scales(call, target);
+    // What the control's own settings say is right.
+    if installed.is_none() {
+        warn_unusual_scales(call, target);
+    }
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
@@ -218,7 +221,7 @@ pub(crate) fn take_scales(
     Ok(())
 }
 
-/// Asks about scales that look like those of another control: steps in a mm for mm in a turn.
+/// Asks about stated scales that look like those of another control: steps in a mm for mm in a turn.
 fn warn_unusual_scales(call: &mut Call, target: &ControllerTarget) {
     let Some(own) = &target.manifest.mechanism.own_axis else { return };
     let Some(scale) = own.scale else { return };

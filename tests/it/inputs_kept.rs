@@ -16,13 +16,14 @@ struct Verb {
 }
 
 /// Options that name a file or a folder that is read.
-const INPUTS: [&str; 14] = [
+const INPUTS: [&str; 15] = [
     "--axis-poses",
     "--check",
     "--columns",
     "--confined",
     "--cost",
     "--data",
+    "--ini",
     "--installed",
     "--job",
     "--key",
@@ -38,7 +39,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 25] = [
+const VERBS: [Verb; 26] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -165,6 +166,12 @@ const VERBS: [Verb; 25] = [
         outputs: &["--out"],
     },
     Verb {
+        name: "compile for drives",
+        arguments: &["compile", "turning.END", "--poses", "3", "--target", "linuxcnc-kins", "--ini", "drives.END"],
+        inputs: &["turning", "drives"],
+        outputs: &["--out"],
+    },
+    Verb {
         name: "budget put together",
         arguments: &["budget", "bounded.END", "--samples", "2", "--merge", "part.END"],
         inputs: &["bounded", "base", "part"],
@@ -272,6 +279,10 @@ fn sources(folder: &Folder, ending: &str) {
             .replace("b X Y Z t", "C' b X Y Z t")
             .replace("volume", "  C: { travel: continuous, origin: [200, 200, 0] }\nvolume"),
     );
+    let drive = |of: String| format!("[{of}]\nMAX_VELOCITY = 50\nMAX_ACCELERATION = 800\n");
+    let joints = (0..4).map(|joint| format!("JOINT_{joint}"));
+    let drives: String = joints.chain(["X", "Y", "Z", "C"].map(|axis| format!("AXIS_{axis}"))).map(drive).collect();
+    write("drives", &drives);
     write("points", "point;X;Y;Z\nP1;0;0;0\nP2;200;0;0\nP3;400;10;0\nP4;200;100;0\nP5;300;100;50\nP6;50;20;90\n");
     write("where", "point,X,Y,Z\nP1,0,0,0\nP2,200,0,0\nP3,400,10,0\nP4,200,100,0\nP5,300,100,50\nP6,50,20,90\n");
     let contact = |(n, [x, y, z]): (usize, [i32; 3])| format!("touch b p {n} {} {} {z} 0 1\n", 200 + x, 200 + y);

@@ -74,9 +74,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return workbench::open(session, machine, workbench::PartAsked::default(), args.port);
     }
     let ending = args.out.as_ref().and_then(|out| out.extension()?.to_str()).map(str::to_lowercase);
-    if let Some(ending) =
-        ending.filter(|of| ["pdf", "docx", "pptx", "csv", "json", "yaml", "svg", "png"].contains(&of.as_str()))
-    {
+    if let Some(ending) = ending.filter(|of| ["pdf", "docx", "pptx"].contains(&of.as_str())) {
         return session
             .usage(&format!("a report is a page of HTML, not .{ending}: name it .html; a browser prints it as PDF"));
     }

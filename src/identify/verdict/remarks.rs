@@ -34,8 +34,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         runs::relative(fitted),
         accused::noise(fitted),
         drifting(fitted),
-        sizes(fitted),
-        large_values(fitted),
+        sizes(fitted).or_else(|| large_values(fitted)),
         missing_approaches(fitted),
         contradiction(fitted, sources),
         silent(fitted),
@@ -147,7 +146,8 @@ fn large_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let large = own.filter(|(parameter, estimate)| match parameter.terms.first().map(|term| term.source) {
         Some(source) if matches!(source.place, ErrorSite::Location(_)) => {
             let most = if source.direction.is_rotation() { MAX_LIKELY_TURN } else { MAX_LIKELY_SHIFT_MM };
-            estimate.value.abs() > most
+            // Above what a machine file takes, the file itself is refused.
+            estimate.value.abs() > most && estimate.value.abs() <= largest(source.direction)
         }
         _ => false,
     });
