@@ -724,6 +724,7 @@ class ComparedBudget(Record):
 
     errors: Annotated[int, "Number of bounded errors."]
     errors_by_class: Annotated[int, "Number of these that the class bounds; the machine file bounds the others."]
+    unbounded: Annotated[int, "Number of errors that act and have neither a value nor a bound."]
     position_um: Annotated[DeviationBudget, "The position deviation, um."]
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]
@@ -759,6 +760,7 @@ class ComparedVerdict(Record):
 
     verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "The verdict on the two; none if errors that only one of the files bounds could turn it."]
     minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+    minus_first_alike: Annotated[Union[PairedDifference, None], "The same with the other machine's bounds for what only one of them bounds: like with like. None where both bound the same errors, and without a verdict."]
     withheld: Annotated[Union[WithheldVerdict, None], "The reason why there is no verdict."]
 
 
@@ -798,6 +800,7 @@ class JudgedDifference(Record):
     """The figure of the position deviation by which a machine is judged, minus that of the first machine."""
 
     drawn: Annotated[bool, "True if it is the value that 95 % of machines drawn do not exceed."]
+    alike: Annotated[bool, "True if what only one of the machines bounds has the bounds of the other one in both."]
     statistic: Annotated[Literal["max", "p95"], "The figure of a machine over the poses."]
     um: Annotated[float, "The difference, um: negative is better than the first."]
     low: Annotated[Union[float, None], "Lower end of its interval, um, if it has one."]

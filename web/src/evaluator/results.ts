@@ -509,6 +509,8 @@ export interface ComparedBudget {
   errors: number;
   /** Number of these that the class bounds; the machine file bounds the others. */
   errors_by_class: number;
+  /** Number of errors that act and have neither a value nor a bound. */
+  unbounded: number;
   /** The position deviation, um. */
   position_um: DeviationBudget;
   /** The rotation of the tool, urad. */
@@ -609,6 +611,8 @@ export interface ComparedVerdict {
   verdict: Verdict | null;
   /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
   minus_first: PairedDifference;
+  /** The same with the other machine's bounds for what only one of them bounds: like with like. None where both bound the same errors, and without a verdict. */
+  minus_first_alike?: PairedDifference | null;
   /** The reason why there is no verdict. */
   withheld?: WithheldVerdict | null;
 }
@@ -1057,6 +1061,8 @@ export interface JudgedDifference {
   drawn: boolean;
   /** The class whose bounds stand for the values of both machines, where these are left out. */
   class?: string | null;
+  /** True if what only one of the machines bounds has the bounds of the other one in both. */
+  alike: boolean;
   /** The figure of a machine over the poses. */
   statistic: Statistic;
   /** The difference, um: negative is better than the first. */
