@@ -284,11 +284,12 @@ export interface Rows {
 /** Narrows an answer: `null` where the question was refused. */
 export function accepted<T>(answer: unknown): T | null {
   if (answer === undefined || answer === null) return null;
-  return (answer as Partial<Refusal>).refused ? null : (answer as T);
+  // A comparison of controls has a list of that name.
+  return (answer as Partial<Refusal>).refused === true ? null : (answer as T);
 }
 
 /** Why a question was refused; empty for an answer. */
 export function refusals(answer: unknown): string[] {
   const { refused, diagnostics = [] } = (answer ?? {}) as Partial<Refusal>;
-  return refused ? diagnostics.map(({ message }) => message) : [];
+  return refused === true ? diagnostics.map(({ message }) => message) : [];
 }
