@@ -210,7 +210,7 @@ def test_measurements_from_memory(program: Any, tmp_path: Path) -> None:
     expected = program("identify", VMC, "--data", file, "--fit", ",".join(fit))
     of_file = machine.identify(file, fit=fit)
     assert of_file.to_dict() == expected
-    values = [(parameter.name, parameter.value) for parameter in found.parameters]
+    values = [(parameter["name"], parameter["value"]) for parameter in found.to_dict()["parameters"]]
     assert values == [(parameter["name"], parameter["value"]) for parameter in expected["parameters"]]
     assert abbe.loads(found.machine_file, name=str(VMC)).errors["EC0Y"].kind == "location"
 
