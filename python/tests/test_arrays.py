@@ -141,7 +141,7 @@ def test_covariance_and_residuals_are_those_of_least_squares() -> None:
     design = np.concatenate([blank.jacobian(poses, names)[:, k] for k in range(3)])
     right = (read - blank.deviations(poses, order=1).position).T.reshape(-1)
     theta, squares, *_ = np.linalg.lstsq(design, right, rcond=None)
-    np.testing.assert_allclose([one.value * 1e-6 for one in fit.parameters], theta, rtol=0, atol=1e-9)
+    np.testing.assert_allclose([(one.value or 0.0) * 1e-6 for one in fit.parameters], theta, rtol=0, atol=1e-9)
     expected = np.linalg.inv(design.T @ design) * squares / (len(right) - 3) * 1e12
     scatter = np.array([one.type_a for one in fit.parameters])
     np.testing.assert_allclose(scatter**2, np.diag(expected), rtol=1e-6)
