@@ -359,22 +359,18 @@ impl Compared<'_> {
         let machines: Vec<&Machine> = self.sides.iter().map(|(machine, _)| *machine).collect();
         let (name, class) = stand_in(of_machine, &machines);
         let test = PairedTest::of_round(self.samples, self.sides.len(), 1);
+        let filled = |side: usize, other: usize, class: Option<&Class>| {
+            coverages[side].fill(self.sides[side].0, &self.bounds[side], &self.bounds[other], class)
+        };
         let fill = |class: Option<&Class>| -> Result<VersusFirst, Refused> {
-            let values = |side: usize, other: usize| {
-                let bounds = &self.bounds[side];
-                let whole = coverages[side].fill(self.sides[side].0, bounds, &self.bounds[other], class);
-                self.draw_values(call, side, &whole)
-            };
+            let values = |side: usize, other: usize| self.draw_values(call, side, &filled(side, other, class));
             Ok(test.versus(&values(index, 0)?, &values(0, index)?))
         };
         let whole = [fill(None)?, fill(class.as_ref())?];
         let sign = if verdict == Verdict::Better { -1.0 } else { 1.0 };
         if whole.iter().all(|whole| sign * whole.minus_first.value > 0.0) {
-            let is_filled = |side: usize, other: usize| {
-                let own = &self.bounds[side];
-                coverages[side].fill(self.sides[side].0, own, &self.bounds[other], None).len() > own.len()
-            };
-            let differ = is_filled(index, 0) || is_filled(0, index);
+            let lacks = |side: usize, other: usize| filled(side, other, None).len() > self.bounds[side].len();
+            let differ = lacks(index, 0) || lacks(0, index);
             return Ok(Ok(differ.then(|| whole[0].minus_first)));
         }
         let lacks = |side: usize| {

@@ -68,15 +68,15 @@ pub struct TargetResidual {
     pub uncompensated: Figures,
     /// With the files.
     pub compensated: Figures,
-    /// What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine
-    /// with the median.
+    /// Fractions that the files take off drawn machines, where errors are only bounded; the figures are then those of
+    /// the machine with the median.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<DrawnRepair>,
     /// Warnings of the files, such as that the scale in force is not known.
     pub remarks: Vec<String>,
 }
 
-/// What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all.
+/// Fractions that files take off the figure that decides, over machines drawn between bounds: 1 is all of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DrawnRepair {
     /// Number of machines drawn.

@@ -2,7 +2,7 @@
 
 use super::targets::{TargetSummary, target};
 use crate::diagnostic::{CODES, Code, Diagnostic, codes, info, nearest};
-use crate::machine::{CLASS_NAMES, Direction, ErrorId, classes, parse_error_name};
+use crate::machine::{CLASS_NAMES, Direction, ErrorId, classes, error_name_in_capitals, parse_error_name};
 use serde::Serialize;
 
 /// An explanation.
@@ -44,8 +44,7 @@ fn unknown(topic: &str) -> Diagnostic {
     let headings: Vec<String> = entries().map(|(heading, _)| heading.to_lowercase()).collect();
     let words = headings.iter().flat_map(|heading| parts(heading));
     let known = CODES.iter().map(|code| code.id).chain(words).chain(CLASS_NAMES);
-    let upper = topic.to_uppercase();
-    let near = parse_error_name(&upper).map(|_| upper.as_str()).or_else(|| nearest(topic, known));
+    let near = error_name_in_capitals(topic).or_else(|| nearest(topic, known).map(str::to_owned));
     let help = match near {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!(

@@ -74,7 +74,7 @@ pub struct InstrumentResult {
     /// The readings.
     #[serde(flatten)]
     pub readings: Readings,
-    /// Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero.
+    /// Readings to which the bounds of a machine lead of which nothing is measured; the others are then zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<ReadingsOfBounds>,
     #[serde(skip)]

@@ -4,6 +4,7 @@ pub use super::restore_check::restore_warning;
 pub use super::verify::set_manifest;
 pub use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, RenderedFile, is_plain_name};
 pub use crate::file_set::folder::{STALE_HELP, refuse_outside};
+pub use crate::file_set::restore::RESTORE_FOLDER;
 pub use crate::record::files::{SetFault, SetFiles, set_files};
 pub use crate::run::{Hashed, sha256};
 

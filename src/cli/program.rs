@@ -139,10 +139,9 @@ fn with_verbs(mut message: clap::Error) -> clap::Error {
 fn with_options(mut message: clap::Error, arguments: &[OsString]) -> clap::Error {
     let is_unlike_any =
         message.kind() == clap::error::ErrorKind::UnknownArgument && message.get(ContextKind::SuggestedArg).is_none();
-    let Some(verb) = arguments.iter().skip(1).find_map(|word| Cli::command().find_subcommand(word).cloned()) else {
-        return message;
-    };
-    if is_unlike_any {
+    let program = Cli::command();
+    let asked = || arguments.iter().skip(1).find_map(|word| program.find_subcommand(word));
+    if let Some(verb) = is_unlike_any.then(asked).flatten() {
         let own = verb.get_arguments().filter(|argument| !argument.is_global_set());
         let names: Vec<String> = own.filter_map(|argument| Some(format!("--{}", argument.get_long()?))).collect();
         let tip = match names.is_empty() {

@@ -11,7 +11,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     scored.filter(|(d, _)| *d <= limit).min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }
 
-/// What other programs and data sheets call what the language has.
+/// Words of the language, each with those of other programs and of data sheets for it.
 const OTHER_WORDS: [(&str, &[&str]); 7] = [
     ("tolerances", &["bounds", "limits", "spec", "specification", "accuracy"]),
     ("travel", &["stroke", "range", "limits", "limit", "min", "max", "soft_limits"]),
@@ -31,6 +31,9 @@ fn other_word<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
 
 /// Help for an unknown word: the nearest candidate, the one that means it, or all of them.
 pub fn did_you_mean(word: &str, candidates: &[&str]) -> String {
+    if word.contains('\u{a0}') {
+        return "a no-break space stands in it, as word processors write: put a plain one".to_owned();
+    }
     match nearest(word, candidates.iter().copied()).or_else(|| other_word(word, candidates)) {
         Some(near) => format!("did you mean `{}`?", shown(near)),
         None if candidates.is_empty() => "remove it".to_owned(),

@@ -8,7 +8,7 @@ use crate::run::{Call, Refused};
 use std::sync::Arc;
 
 /// Name of the folder of a restore set in that of its set.
-pub(crate) const RESTORE_FOLDER: &str = "restore";
+pub const RESTORE_FOLDER: &str = "restore";
 
 /// Content of a restore set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -59,8 +59,8 @@ pub use model::{
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{Approach, CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
 pub use resolve::{
-    CLASS_ANGLES, FITTED_GROUPS, largest, largest_stated, look, no_origin, parse_error_name, plausible_size, questions,
-    resolve,
+    CLASS_ANGLES, FITTED_GROUPS, error_name_in_capitals, largest, largest_stated, look, no_origin, parse_error_name,
+    plausible_size, questions, resolve,
 };
 pub use set_up::SetUp;
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};

@@ -479,9 +479,6 @@ impl SectionReader<'_> {
                 TOOL_POSES | "place" | "reference" => {
                     "a job: give its file by `--job`, beside a machine file; or indent it below `job:`".to_owned()
                 }
-                _ if key.contains('\u{a0}') => {
-                    "a no-break space stands in it, as word processors write: put a plain one".to_owned()
-                }
                 _ => did_you_mean(key, &SECTIONS),
             };
             self.diagnostics.push(refusal.at(self.places.key(&keys([key])), "").help(help));

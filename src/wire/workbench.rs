@@ -179,7 +179,7 @@ pub enum Question {
     Look(LookOptions),
     /// The controllers, in short.
     Targets,
-    /// What the files of a target take off machines drawn between bounds.
+    /// Fractions that the files of a target take off machines drawn between bounds.
     Repair(CompareTargetsOptions),
     /// The errors that are one number, wherever it stands, by name.
     Numbers,

@@ -92,7 +92,7 @@ class InstrumentFields(Record):
     """Readings of an instrument on a machine, exact model."""
 
     machine: Annotated[str, "Name of the machine."]
-    bounds: Annotated[Union[ReadingsOfBounds, None], "Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero."]
+    bounds: Annotated[Union[ReadingsOfBounds, None], "Readings to which the bounds of a machine lead of which nothing is measured; the others are then zero."]
     instrument: Annotated[Literal["ball_bar", "r_test", "diagonals", "step_diagonals"], ""]
     centre: Annotated[Union[Named[float], None], "Centre of the circles, mm and deg."]
     radius_mm: Annotated[Union[float, None], "Length of the ball bar, mm."]

@@ -18,7 +18,7 @@ class CertifiedFigures(Record):
 
 
 class DrawnRepair(Record):
-    """What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all."""
+    """Fractions that files take off the figure that decides, over machines drawn between bounds: 1 is all of it."""
 
     machines: Annotated[int, "Number of machines drawn."]
     least: Annotated[float, "The least."]
@@ -35,7 +35,7 @@ class TargetResidual(Record):
     over: Annotated[Over, "Poses and reference of the figures."]
     uncompensated: Annotated[CertifiedFigures, "Without the files."]
     compensated: Annotated[CertifiedFigures, "With the files."]
-    drawn: Annotated[Union[DrawnRepair, None], "What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median."]
+    drawn: Annotated[Union[DrawnRepair, None], "Fractions that the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median."]
     remarks: Annotated[list[str], "Warnings of the files, such as that the scale in force is not known."]
 
 

@@ -97,7 +97,7 @@ pub fn ball_bar(
 /// A circle that the linear axes drive about a ball.
 struct Circle {
     angles: Vec<f64>,
-    /// From the ball to the functional point, workpiece frame, mm.
+    /// Arms from the ball to the functional point, workpiece frame, mm.
     arms: Vec<Vector3<f64>>,
     poses: Vec<Pose>,
 }

@@ -3,15 +3,12 @@
 use super::tree::write_new_folder;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
-use abbe::sets::{LOCK_NAME, SetFault, set_files, sha256};
+use abbe::sets::{LOCK_NAME, RESTORE_FOLDER, SetFault, set_files, sha256};
 use abbe::{Diagnostic, Disk, codes};
 use std::path::{Component, Path, PathBuf};
 
 /// Folder of archived sets.
 const REPLACED: &str = "replaced";
-
-/// Folder of the set that takes another back, within it.
-const RESTORE: &str = "restore";
 
 /// Refuses, before any work, an archive that lies in the folder of the set.
 pub(crate) fn refuse_inside(session: &Session, record: &Path, out: &Path) -> Outcome {
@@ -40,9 +37,11 @@ fn archive_folder(record: &Path, out: &Path) -> Result<Option<PathBuf>, Diagnost
     let digits: String = set.files.first().map(|(_, lock)| sha256(lock)).unwrap_or_default().chars().take(16).collect();
     let folder = record.join(REPLACED).join(digits);
     let mut files = set.files;
-    let restore = out.join(RESTORE);
+    let restore = out.join(RESTORE_FOLDER);
     match set_files(&Disk, &restore) {
-        Ok(back) => files.extend(back.files.into_iter().map(|(name, bytes)| (format!("{RESTORE}/{name}"), bytes))),
+        Ok(back) => {
+            files.extend(back.files.into_iter().map(|(name, bytes)| (format!("{RESTORE_FOLDER}/{name}"), bytes)))
+        }
         // Sets of earlier versions have none.
         Err(SetFault::NoManifest) => {}
         Err(fault) => return Err(unwhole(&restore, &fault)),

@@ -3,13 +3,13 @@
 use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
+use crate::cli::output::view::folded;
 use crate::cli::store::engine;
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::workbench;
 use crate::cli::{Exit, Format, Outcome};
 use abbe::results::Report;
-use abbe::text::fold;
 use abbe::{ReportOptions, report};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -87,10 +87,10 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Json => {
             session.print_json(json!({"page": out.display().to_string(), "bytes": bytes, "engines": page.variants}));
         }
-        _ => session.print(
-            fold(&format!("{}: {} kB, self-contained{}", out.display(), bytes.div_ceil(1000), answers(&page.variants)))
-                .trim_end(),
-        ),
+        _ => {
+            let size = bytes.div_ceil(1000);
+            session.print(&folded(&format!("{}: {size} kB, self-contained{}", out.display(), answers(&page.variants))));
+        }
     }
     Ok(())
 }

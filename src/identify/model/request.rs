@@ -14,7 +14,7 @@ use crate::identify::thresholds::DESIGN_RANK_TOLERANCE;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, FITTED_GROUPS, Machine,
-    basis_of_term, parse_error_name,
+    basis_of_term, error_name_in_capitals, parse_error_name,
 };
 use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::{IndexMap, IndexSet};
@@ -437,9 +437,8 @@ fn clamped(list: Vec<Parameter>, only: &Clamping) -> impl Iterator<Item = Parame
 fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
-        let upper = word.to_uppercase();
-        let help = match parse_error_name(&upper) {
-            Some(_) => format!("did you mean `{upper}`?"),
+        let help = match error_name_in_capitals(word) {
+            Some(near) => format!("did you mean `{near}`?"),
             None if word.trim().contains(' ') => "part them by commas: `EC0Y,EXX:poly3`".to_owned(),
             None => {
                 format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &FITTED_GROUPS))

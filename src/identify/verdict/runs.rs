@@ -40,7 +40,7 @@ pub(crate) fn turned(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     })
 }
 
-/// Returns the rows of each run that has a name, in the order of the data.
+/// Returns the rows of each run, in the order of the data; those without a name are one run.
 fn by_name<'a>(fitted: &'a FitDiagnosis<'_>) -> BTreeMap<&'a str, Vec<&'a Measurement>> {
     let mut runs: BTreeMap<&str, Vec<&Measurement>> = BTreeMap::new();
     for m in fitted.data {

@@ -2,7 +2,7 @@
 
 use super::axes::AxisDraft;
 use super::context::Context;
-use super::names::{Spelling, readings};
+use super::names::{Spelling, error_name_in_capitals, readings};
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::AxisName;
 use crate::syntax::{Keys, keys};
@@ -52,8 +52,7 @@ pub fn find_error(context: &mut Context, name: &str, known: &JointNames<'_>, pla
             .help(help)
         }
         None => {
-            let upper = name.trim().to_uppercase();
-            let nearly = super::super::parse_error_name(&upper).map(|_| format!("did you mean `{upper}`?"));
+            let nearly = error_name_in_capitals(name).map(|near| format!("did you mean `{near}`?"));
             let help = match name.trim() {
                 "X-Y" | "Y-X" => "as an error it is `EC0Y`, with its sign; `X-Y` is a bound, under `tolerances`",
                 "X-Z" | "Z-X" => "as an error it is `EB0Z`, with its sign; `X-Z` is a bound, under `tolerances`",

@@ -29,7 +29,7 @@ mod volume;
 
 pub use errors::{largest, largest_stated, plausible_size};
 pub use look::look;
-pub use names::parse_error_name;
+pub use names::{error_name_in_capitals, parse_error_name};
 pub use questions::questions;
 pub use sides::{CLASS_ANGLES, no_origin};
 pub use uses::FITTED_GROUPS;

@@ -10,6 +10,12 @@ pub struct Spelling {
     pub negated: bool,
 }
 
+/// Returns a word in capitals if that names an error, as `ec0y` does not.
+pub fn error_name_in_capitals(word: &str) -> Option<String> {
+    let upper = word.trim().to_uppercase();
+    parse_error_name(&upper).map(|_| upper)
+}
+
 /// Returns the error that a name means: `EXX`, `EC0Y` and other usual spellings (`E_{C0Y}`, `C0Y`, `COY`, `dyx`, `eyx`,
 /// `Sxy`). A letter O in the place of the zero is read as the zero.
 ///

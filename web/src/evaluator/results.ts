@@ -797,7 +797,7 @@ export interface DrawnMachineFigures {
   percentiles: Record<string, PercentileInterval>;
 }
 
-/** What files take off the figure that decides, over machines drawn between bounds: fractions of it, 1 for all. */
+/** Fractions that files take off the figure that decides, over machines drawn between bounds: 1 is all of it. */
 export interface DrawnRepair {
   /** Number of machines drawn. */
   machines: number;
@@ -1028,7 +1028,7 @@ export interface InputFile {
 export type InstrumentResult = {
   /** Name of the machine. */
   machine: string;
-  /** Of a machine of which nothing is measured, the readings to which its bounds lead; the others are then zero. */
+  /** Readings to which the bounds of a machine lead of which nothing is measured; the others are then zero. */
   bounds?: ReadingsOfBounds | null;
 } & ({
   instrument: "ball_bar";
@@ -1770,7 +1770,7 @@ export interface TargetResidual {
   uncompensated: CertifiedFigures;
   /** With the files. */
   compensated: CertifiedFigures;
-  /** What the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median. */
+  /** Fractions that the files take off drawn machines, where errors are only bounded; the figures are then those of the machine with the median. */
   drawn?: DrawnRepair | null;
   /** Warnings of the files, such as that the scale in force is not known. */
   remarks: string[];
