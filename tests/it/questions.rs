@@ -75,6 +75,20 @@ fn geometry_is_questioned() {
             "below the workpiece origin along `up`",
         ),
         ("EX0C: 6 um", "EX0C: 2.5 mm", "W0413", "`EX0C` is 2.5 mm: is it the place where axis `C` stands"),
+        (
+            "EX0C: 6 um",
+            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 900 um], [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
+            "W0413",
+            "`EXX` is 900 um at 200 mm, 896 um off the line through its neighbours",
+        ),
+        (
+            "EX0C: 6 um",
+            "EXX: { points: [[0 mm, 0 um], [500 mm, 0.08 um]] }",
+            "W0413",
+            "above 0.08 um: are its values in mm?",
+        ),
+        ("EX0C: 6 um", "EBX: { points: [[0 mm, 0 deg], [500 mm, 1.8 deg]] }", "W0413", "`EBX` reaches 31.4 mrad"),
+        ("EX0C: 6 um }", "EX0C: 6 um }\ntolerances: { EXX: 0.008 um }", "W0413", "`EXX` is bounded by 0.008 um"),
     ] {
         let (codes, said) = with(&folder, from, to);
         // Without a workpiece the tip is below machine zero, too.
@@ -88,6 +102,10 @@ fn geometry_is_questioned() {
 fn what_is_right_is_not_questioned() {
     let folder = Folder::new("questions-right");
     for (from, to) in [
+        (
+            "EX0C: 6 um",
+            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 50 um], [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
+        ),
         ("[-120 deg, 30 deg]", "[-1.5, 1.5]"),
         ("[-120 deg, 30 deg]", "[-5, 0]"),
         // Away from 0 rotary axes are elsewhere.

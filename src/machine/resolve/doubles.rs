@@ -46,6 +46,11 @@ pub(super) fn is_fitted_location(document: &Document, error: &ErrorId) -> bool {
     error.family == ErrorFamily::Location && fitted(document).any(is_of)
 }
 
+/// True if a fit wrote the curve.
+pub(super) fn is_fitted_curve(document: &Document, error: &ErrorId) -> bool {
+    fitted(document).any(|entry| entry.split(':').next().is_some_and(|name| name.trim() == error.to_string()))
+}
+
 /// Returns what a fit was asked for, by its own request in the file that it wrote.
 fn fitted(document: &Document) -> impl Iterator<Item = &String> {
     let request = document.identify.iter().filter(|_| document.provenance.contains_key("identified-by"));

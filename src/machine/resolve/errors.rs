@@ -273,14 +273,22 @@ fn read_columns(
         let of = CurveOf { error, axis, kind, negated: spelling.negated };
         let named = context.document.places.value(at);
         let component = from_table(context, &of, &table, Between::default(), named);
-        let component = component.filter(|c| plausible_curve(context, &of, c, at));
+        let is_plausible = |c: &ComponentError| {
+            let stated = StatedAt { name: column.name.clone(), place: Some(column.place.clone()) };
+            context.is_plausible(peak_of(&of, c), of.error.direction, stated)
+        };
+        let component = component.filter(is_plausible);
         errors.put(error, component.map(ErrorTerm::Component));
     }
 }
 
 fn plausible_curve(context: &mut Context, of: &CurveOf<'_>, component: &ComponentError, at: &Keys) -> bool {
-    let peak = component.curves().map(|curve| peak(of, curve)).fold(0.0, f64::max);
-    context.plausible(peak, of.error.direction, at)
+    context.plausible(peak_of(of, component), of.error.direction, at)
+}
+
+/// Largest size of an error over the travel.
+fn peak_of(of: &CurveOf<'_>, component: &ComponentError) -> f64 {
+    component.curves().map(|curve| peak(of, curve)).fold(0.0, f64::max)
 }
 
 /// Largest size of a curve over the travel.
@@ -315,6 +323,12 @@ pub fn plausible_size(request: Option<&IdentifyEntry>, direction: Direction) -> 
     largest(direction).max(given.min(largest_stated(direction)))
 }
 
+/// A name, and where it is given a value.
+struct StatedAt {
+    name: String,
+    place: Option<Place>,
+}
+
 impl Context<'_> {
     fn largest_plausible(&self, direction: Direction) -> f64 {
         plausible_size(self.document.identify.as_ref(), direction)
@@ -322,6 +336,11 @@ impl Context<'_> {
 
     /// Refuses what can only be a mistake of unit.
     pub fn plausible(&mut self, value: f64, direction: Direction, at: &Keys) -> bool {
+        let stated = StatedAt { name: dotted_path(at), place: self.document.places.value(at) };
+        self.is_plausible(value, direction, stated)
+    }
+
+    fn is_plausible(&mut self, value: f64, direction: Direction, at: StatedAt) -> bool {
         if value.abs() <= self.largest_plausible(direction) {
             return true;
         }
@@ -332,8 +351,9 @@ impl Context<'_> {
         };
         let limit = self.largest_plausible(direction);
         let limit = if direction.is_rotation() { format!("{} mrad", limit * 1e3) } else { format!("{limit} mm") };
-        let message = format!("`{}` reaches {shown}, which no machine has", dotted_path(at));
-        self.at_value(codes::E0412, at, message, format!("check the unit; the limit of plausibility is {limit}"));
+        let message = format!("`{}` reaches {shown}, which no machine has", at.name);
+        let help = format!("check the unit; the limit of plausibility is {limit}");
+        self.diagnostics.push(Diagnostic::new(codes::E0412, message).at(at.place, "").help(help));
         false
     }
 }

@@ -1,19 +1,22 @@
 //! Geometry that is allowed and seldom meant: `check` asks about it.
 
+mod asked;
+mod curves;
+
 use super::doubles::is_fitted_location;
 use super::sides::no_origin;
-use crate::diagnostic::{Diagnostic, codes};
+use crate::diagnostic::Diagnostic;
 use crate::machine::{Axis, AxisKind, AxisName, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 use crate::syntax::{Document, Keys, PositionEntry, Scalar, TravelEntry, keys};
 use crate::units::{self, Dimension, significant};
+use asked::{TINY, WIDE_LOCATION, ask};
+use curves::curve_questions;
 use nalgebra::Vector3;
 
 /// A translation of a location error from which on it is a position that belongs elsewhere, mm.
 const POSITION: f64 = 1.0;
 /// A bound of an angle from which on it is as a rule in another unit, rad: 400 arcsec.
 const WIDE_ANGLE: f64 = 2e-3;
-/// A rotation of a location error from which on it is as a rule in another unit, rad: 1000 arcsec.
-const WIDE_LOCATION: f64 = 5e-3;
 /// A displacement of the gauge point by a variant from which on it is another spindle, mm.
 const OTHER_SPINDLE: f64 = 50.0;
 /// A travel of a linear axis above which it is as a rule in another unit, mm: the longest gantries have 60 m.
@@ -50,13 +53,10 @@ pub fn questions(document: &Document, machine: &Machine, up: Option<[f64; 3]>) -
     found.extend(far_lines(document, machine));
     found.extend(squareness_twice(document, machine));
     found.extend(positions(document, machine));
-    found.extend(wide_bounds(document, machine));
+    found.extend(bounds(document, machine));
+    found.extend(curve_questions(document, machine));
     found.extend(document.moved_gauges.iter().filter_map(|(at, base)| moved_gauge(document, at, base)));
     found
-}
-
-fn ask(document: &Document, at: &Keys, message: String, help: impl Into<String>) -> Diagnostic {
-    Diagnostic::new(codes::W0413, message).at(document.places.key(at), "").help(help)
 }
 
 /// True if linear axes take the tool about the workpiece: neither a robot nor an example of a joint or two.
@@ -391,20 +391,24 @@ fn wide_location(document: &Document, error: &ErrorId, term: &ErrorTerm) -> Opti
     Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
 }
 
-/// Asks about bounds of the size of positions, and of angles that one sees by eye.
-fn wide_bounds(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
+/// Asks about bounds of the size of positions, of angles that one sees by eye, and of what no instrument reads.
+fn bounds(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     let of_errors = machine.errors().filter_map(|(error, term)| match term {
         ErrorTerm::Tolerance(value) => Some((error.to_string(), *value, error.direction.is_rotation())),
         _ => None,
     });
-    let wide = |(_, value, turns): &(String, f64, bool)| *value >= if *turns { WIDE_ANGLE } else { POSITION };
+    let is_tiny = |value: f64, turns: bool| value > 0.0 && value < TINY[usize::from(turns)];
+    let wide = |(_, value, turns): &(String, f64, bool)| {
+        *value >= if *turns { WIDE_ANGLE } else { POSITION } || is_tiny(*value, *turns)
+    };
     let ask_of = |(name, value, turns): (String, f64, bool)| {
         let at: Vec<String> = std::iter::once("tolerances").chain(name.split_whitespace()).map(str::to_owned).collect();
-        let (size, help) = if turns {
-            let arcsec = value.to_degrees() * 3600.0;
-            (format!("{} mrad, {} arcsec", significant(value * 1e3, 3), significant(arcsec, 3)), "urad or arcsec")
-        } else {
-            (format!("{} mm", significant(value, 3)), "um")
+        let (small, arcsec) = (significant(value * 1e6, 3), significant(value.to_degrees() * 3600.0, 3));
+        let (size, help) = match (turns, is_tiny(value, turns)) {
+            (true, true) => (format!("{small} urad, {arcsec} arcsec"), "urad or arcsec"),
+            (true, false) => (format!("{} mrad, {arcsec} arcsec", significant(value * 1e3, 3)), "urad or arcsec"),
+            (false, true) => (format!("{} um", significant(value * 1e3, 3)), "um"),
+            (false, false) => (format!("{} mm", significant(value, 3)), "um"),
         };
         let help = format!("bounds of such errors are {help} as a rule: compare the unit with that of the data sheet");
         ask(document, &at, format!("`{name}` is bounded by {size}: is that meant?"), help)
