@@ -182,6 +182,7 @@ codes! {
     W0511 "columns are left out",
     W0512 "the values of a fit are no machine's",
     W0520 "readings are suspect",
+    W0521 "no reading is left to tell the noise",
     E0601 "no letter for an axis",
     E0602 "a correction is above the limit",
     E0603 "the lattice is impossible",

@@ -384,6 +384,9 @@ pub const SCREENED_ROWS_PER_UNKNOWN: usize = 2;
 pub const MIN_SUSPECT_FREEDOM: f64 = 20.0;
 /// Rows of a run from which on it is compared with another one, or with its first row.
 pub const MIN_TURNED_ROWS: usize = 4;
+/// Scatter (mm) from which on readings of one pose differ in their last digit, so that equal ones were copied. Below:
+/// readings without noise are accused.
+pub const MIN_COPIED_SCATTER_MM: f64 = 1e-4;
 /// Their correlation from which on one follows the other: of four rows of noise 1 pair in 200 does.
 pub const MIN_TURNED_CORRELATION: f64 = 0.995;
 /// Slopes of one over the other that are asked about: the opposite, and twice. A square that is true leaves 1, one
@@ -462,8 +465,9 @@ pub const MIN_REPEAT_FREEDOM: usize = 10;
 pub const MAX_SCATTER_RATIO: f64 = 2.0;
 /// Median deviation (mm) above which the readings are in another unit: no machine has such errors.
 pub const MAX_MEDIAN_MM: f64 = 5.0;
-/// Median deviation (mm) below which the readings are in another unit: no instrument reads so finely.
-pub const MIN_MEDIAN_MM: f64 = 1e-5;
+/// Median deviation (mm) below which the readings are in another unit: machines that were not corrected are off by
+/// more, and so are most that were.
+pub const MIN_MEDIAN_MM: f64 = 1e-4;
 /// Uncertainty over the largest deviation predicted up to which a prediction is of use ...
 pub const MAX_UNCERTAINTY_SHARE: f64 = 0.5;
 /// ... or uncertainty over the RMS of the residuals.

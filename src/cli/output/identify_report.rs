@@ -206,6 +206,14 @@ fn prediction(r: &IdentifyResult) -> String {
 fn weak_directions(r: &IdentifyResult) -> String {
     let mut text = String::new();
     r.free.iter().for_each(|words| text += &format!("free       {words}\n"));
+    // Names of curves would be those of their coefficients.
+    let told: Vec<&str> = r.parameters.iter().filter(|p| p.sigma.is_some()).map(|p| p.name.as_str()).collect();
+    if !r.free.is_empty() && !told.is_empty() && told.iter().all(|name| !name.contains([':', ' '])) {
+        text += &format!("           `--fit {}` fits what these data tell\n", told.join(","));
+    }
+    if !r.noise_hides_values {
+        return text;
+    }
     r.below_noise.iter().take(MAX_LINES).for_each(|words| text += &format!("below noise {words}\n"));
     if r.below_noise.len() > MAX_LINES {
         text += &format!("           and {} more combinations (--format json)\n", r.below_noise.len() - MAX_LINES);

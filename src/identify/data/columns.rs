@@ -3,7 +3,7 @@
 use super::error_name::split_direction;
 use super::failure::HeaderFailure;
 use super::measurement::TurnKind;
-use crate::diagnostic::did_you_mean;
+use crate::diagnostic::{did_you_mean, nearest};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Machine, parse_error_name};
 use crate::syntax::sheet;
@@ -374,7 +374,11 @@ fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Measuremen
     let Some((error, axis)) = found.zip(axis) else {
         let axes = machine.axes().iter().map(|axis| axis.name.as_str());
         let known: Vec<&str> = axes.chain(TITLES.iter().map(|(title, ..)| *title)).chain(["EXX", "to.X"]).collect();
-        return Err(HeaderFailure::Unknown(name.to_owned(), did_you_mean(name, &known)));
+        // All titles are too many to read: the help lists their kinds.
+        let axes: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
+        let near = nearest(name, known.iter().copied()).is_some();
+        let suggestion = did_you_mean(name, if near { &known } else { &axes });
+        return Err(HeaderFailure::Unknown(name.to_owned(), suggestion));
     };
     let wanted = if error.direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
     let fits = |found| found == wanted || (found == Dimension::RATIO && wanted == Dimension::ANGLE);

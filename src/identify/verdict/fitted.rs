@@ -1,8 +1,9 @@
 //! A fit with all that is known of it, and its datum.
 
+use crate::identify::thresholds::MIN_TOLD;
 use crate::identify::{
-    FormUncertainty, Gauge, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest,
-    Residuals, RigidMotionRemoved, Solution, Suspicion, TypeB,
+    Estimate, FormUncertainty, Gauge, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats,
+    ResidualTest, Residuals, RigidMotionRemoved, Solution, Suspicion, TypeB,
 };
 use crate::machine::{Axis, Machine, UnheldMotion};
 use crate::syntax::DatumEntry;
@@ -78,5 +79,18 @@ pub(crate) struct FitDiagnosis<'a> {
 impl FitDiagnosis<'_> {
     pub(crate) fn rows(&self) -> usize {
         self.fit.reduced.rows
+    }
+
+    /// True if noise hides a value of the machine: one that is neither large beside its standard uncertainty, nor known
+    /// about as well as a single reading. What is free is said apart.
+    pub(crate) fn noise_hides_values(&self) -> bool {
+        let own = self.solution.estimates.iter().zip(self.unknowns).take(self.own);
+        let mut own = own.filter(|(_, parameter)| !parameter.is_nuisance()).peekable();
+        let is_told = |(of, parameter): (&Estimate, &Parameter)| {
+            of.sigma.is_none_or(|sigma| {
+                of.value.abs() >= MIN_TOLD * sigma || sigma * parameter.size <= MIN_TOLD * self.solution.sigma
+            })
+        };
+        !self.solution.below_noise.is_empty() && (own.peek().is_none() || !own.all(is_told))
     }
 }

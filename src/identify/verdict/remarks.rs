@@ -32,6 +32,10 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
         resting::wandering(fitted),
         runs::turned(fitted),
         runs::relative(fitted),
+        runs::alone(fitted),
+        runs::cut_off(fitted),
+        runs::copied(fitted),
+        without_freedom(fitted),
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted).or_else(|| large_values(fitted)),
@@ -44,6 +48,15 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
 
 fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic {
     Diagnostic::new(code, message).help(help)
+}
+
+/// Warns of as many readings as unknowns: nothing is left that would tell the noise.
+fn without_freedom(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let count = fitted.rows();
+    let message = format!("{} determine as many unknowns: no uncertainty is known", counted(count, "reading"));
+    let help = "a wrong reading would pass unseen: measure more places, or each of them again";
+    (fitted.solution.degrees_of_freedom == 0 && fitted.solution.rank == count && count > 0)
+        .then(|| warning(codes::W0521, message, help))
 }
 
 /// Warns of readings that are left out because their errors are not fitted.
@@ -222,8 +235,9 @@ pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnosti
     };
     let wide: Vec<String> = wide_estimates(fitted).map(words).chain(wide_curves(fitted)).collect();
     let message = format!("the data do not determine {}", wide.join(", "));
-    let help = "fix them (`--fixed`), fit less, or measure where they act; an axis that turns the other way needs \
-                another `sense` in the file; `--accept undetermined` writes the file all the same";
+    let help = "an axis that turns the other way needs another `sense` in the file, exchanged titles their places; \
+                otherwise measure where these act, fit less or fix them (`--fixed`); `--accept undetermined` writes \
+                the file all the same";
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
 }
 
@@ -355,14 +369,7 @@ pub(crate) fn implausible(why: &ReadBackFailure) -> Diagnostic {
 /// Warns of combinations below noise that go to a machine file.
 pub(crate) fn weak_directions_in_file(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let below_noise = &fitted.solution.below_noise;
-    let first = below_noise.first()?;
-    // Where each value is three times its uncertainty, noise hides nothing of what is written.
-    let own = fitted.solution.estimates.iter().zip(fitted.unknowns).take(fitted.own);
-    let mut own = own.filter(|(_, parameter)| !parameter.is_nuisance()).map(|(estimate, _)| estimate).peekable();
-    let is_told = |of: &Estimate| of.sigma.is_some_and(|sigma| of.value.abs() >= MIN_TOLD * sigma);
-    if own.peek().is_some() && own.all(is_told) {
-        return None;
-    }
+    let first = below_noise.first().filter(|_| fitted.noise_hides_values())?;
     let count = counted(below_noise.len(), "combination");
     let message = format!("what is written holds {count} that noise hides, the first: {first}");
     let help = "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";

@@ -381,6 +381,9 @@ pub struct IdentifyResult {
     /// Combinations below the noise, in words.
     #[serde(rename = "drowned")]
     pub below_noise: Vec<String>,
+    /// True if they leave values of the machine in doubt.
+    #[serde(skip)]
+    pub noise_hides_values: bool,
     /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
     /// Least observability of the machine's parameters that have a value.
@@ -500,6 +503,7 @@ impl IdentifyResult {
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),
             below_noise: s.below_noise.clone(),
+            noise_hides_values: fitted.noise_hides_values(),
             condition: s.condition,
             observability: s.observability,
             singular_values: s.singular_values.clone(),

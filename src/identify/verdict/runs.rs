@@ -2,12 +2,18 @@
 //!
 //! - [`turned`]: of two runs over the same places, such as those of a square and of the square turned over, one reads
 //!   the opposite of the other or its double: in a handful of readings no likelihood tells it, but the eye does;
-//! - [`relative`]: every run begins with zeros, as readings less the first do, in columns of whole deviations.
+//! - [`relative`]: every run begins with zeros, as readings less the first do, in columns of whole deviations;
+//! - [`alone`]: a run has one relative reading, which its set-up takes whole;
+//! - [`cut_off`]: the last run of a file ends before the places of the others are through;
+//! - [`copied`]: poses that were measured again read the same to the last digit.
 
 use super::fitted::FitDiagnosis;
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::identify::thresholds::{MIN_SUSPECT_FREEDOM, MIN_TURNED_CORRELATION, MIN_TURNED_ROWS, TURNED_SLOPES};
-use crate::identify::{COMPONENTS, Measurement, Reading};
+use crate::identify::thresholds::{
+    MIN_COPIED_SCATTER_MM, MIN_SUSPECT_FREEDOM, MIN_TURNED_CORRELATION, MIN_TURNED_ROWS, TURNED_SLOPES,
+};
+use crate::identify::{COMPONENTS, Measurement, Reading, Repeats};
+use crate::units::counted;
 use std::collections::BTreeMap;
 
 const OPPOSITE: &str = "a square that is turned over changes the sign of its readings: was it written down so? If it \
@@ -72,6 +78,66 @@ pub(crate) fn relative(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let help = "such readings are `rel.dx [um]`; `dx [um]` is actual minus nominal of every reading by itself";
     // A single zero is a rounded reading.
     (zeros > 1).then(|| Diagnostic::new(codes::W0520, message).help(help))
+}
+
+/// Asks about runs with a single relative reading of a component.
+pub(crate) fn alone(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let is_relative = |m: &&&Measurement, k: usize| match &m.reading {
+        Reading::Deviation { zero, .. } => zero[k].is_some() && m.reading_mask()[k],
+        _ => false,
+    };
+    let runs = by_name(fitted);
+    let one = |(name, rows): (&&str, &Vec<&Measurement>)| {
+        let k = (0..3).find(|k| rows.iter().filter(|m| is_relative(m, *k)).count() == 1)?;
+        let of = if name.is_empty() { String::new() } else { format!(" of run `{}`", shown(name)) };
+        Some(format!("a single rel.{}{of}", COMPONENTS[k]))
+    };
+    let found = runs.iter().find_map(one)?;
+    let help = "relative readings count from the first of their run, so that one says nothing: was the file cut off?";
+    Some(Diagnostic::new(codes::W0520, format!("{found} is left of its run")).help(help))
+}
+
+/// Asks about the last run, if it has only the first places of the others, which all have the same.
+pub(crate) fn cut_off(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let name = |m: &Measurement| m.run.clone().unwrap_or_default();
+    let mut runs: Vec<(String, Vec<&Measurement>)> = Vec::new();
+    for m in fitted.data {
+        match runs.last_mut() {
+            Some((last, rows)) if *last == name(m) => rows.push(m),
+            _ => runs.push((name(m), vec![m])),
+        }
+    }
+    let (last, others) = runs.split_last()?;
+    let whole = &others.first()?.1;
+    let alike = |of: &[&Measurement], by: &[&Measurement]| {
+        of.iter().zip(by).all(|(a, b)| {
+            a.pose == b.pose && a.tool == b.tool && a.kind() == b.kind() && a.reading_mask() == b.reading_mask()
+        })
+    };
+    let same = others.iter().all(|(_, rows)| rows.len() == whole.len() && alike(rows, whole));
+    let count = last.1.len();
+    if !same || count >= whole.len() || whole.len() < MIN_TURNED_ROWS || !alike(&last.1, &whole[..count]) {
+        return None;
+    }
+    let (name, all) = (shown(&last.0), whole.len());
+    let first = shown(&others[0].0);
+    let message = format!("run `{name}`, the last, ends after {count} of the {all} places of run `{first}`");
+    let help = "was the file cut off? Otherwise measure the places that it lacks";
+    Some(Diagnostic::new(codes::W0520, message).help(help))
+}
+
+/// Asks about poses that were measured again without any scatter, where the readings scatter otherwise.
+pub(crate) fn copied(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let is_copy = |of: &&Repeats| {
+        of.sigma == 0.0 && of.degrees_of_freedom >= MIN_TURNED_ROWS && fitted.solution.sigma > MIN_COPIED_SCATTER_MM
+    };
+    let found = fitted.repeats.iter().find(is_copy)?;
+    let message = format!(
+        "{} of poses measured before are the same to the last digit: are rows there twice?",
+        counted(found.degrees_of_freedom, "reading")
+    );
+    let help = "rows that were copied make uncertainties too small: leave one of each out";
+    Some(Diagnostic::new(codes::W0520, message).help(help))
 }
 
 /// Returns how much a component of one run rises where that of another rises by one; `None` unless both were read at
