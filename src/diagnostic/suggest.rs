@@ -12,10 +12,11 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// Words of the language, each with those of other programs and of data sheets for it.
-const OTHER_WORDS: [(&str, &[&str]); 7] = [
+const OTHER_WORDS: [(&str, &[&str]); 8] = [
     ("tolerances", &["bounds", "limits", "spec", "specification", "accuracy"]),
     ("travel", &["stroke", "range", "limits", "limit", "min", "max", "soft_limits"]),
     ("origin", &["pivot", "position", "center", "centre", "point", "location", "offset"]),
+    ("table", &["file", "csv", "path", "data", "curve"]),
     ("value", &["constant", "const", "size", "amount"]),
     ("chain", &["kinematics", "structure", "topology", "axes_order", "order", "sequence"]),
     ("machine", &["name", "title", "model"]),

@@ -111,17 +111,44 @@ fn axis_words(map: &[String]) -> Result<Vec<(String, ControllerAxis)>, &String> 
     Ok(all)
 }
 
-/// Reads entries such as `X=80`; none if one of them is no scale, or an axis is there twice.
-fn scales(entries: &[String]) -> Option<Vec<(String, f64)>> {
+/// A reason for which an entry is no scale of a drive.
+#[derive(Debug, thiserror::Error)]
+enum ScaleFailure {
+    #[error("`{0}` has no `=`: {1}, such as `X=80.5,Y=80`")]
+    NoAxis(String, &'static str),
+    /// A name, and the one that was meant.
+    #[error("`{0}` is no name of an axis{1}")]
+    NotAxis(String, String),
+    #[error("`{0}` is not a number from {least} to {most}", least = DriveScale::RANGE[0], most = DriveScale::RANGE[1])]
+    NotNumber(String),
+    #[error("`{0}` is there twice")]
+    Twice(String),
+}
+
+/// Reads entries such as `X=80`.
+fn scales(entries: &[String]) -> Result<Vec<(String, f64)>, ScaleFailure> {
     let [least, most] = DriveScale::RANGE;
-    let one = |entry: &String| {
-        let (name, value) = entry.split_once('=')?;
-        let value = number(value).ok().filter(|value| (least..=most).contains(value))?;
-        Some((AxisName::new(name)?.to_string(), value))
-    };
-    let all: Vec<(String, f64)> = entries.iter().map(one).collect::<Option<_>>()?;
-    let twice = (1..all.len()).any(|i| all[..i].iter().any(|(name, _)| *name == all[i].0));
-    (!twice).then_some(all)
+    let mut all: Vec<(String, f64)> = Vec::new();
+    for entry in entries {
+        let shown = entry.escape_debug().to_string();
+        let Some((name, value)) = entry.split_once('=') else {
+            let is_fraction = !all.is_empty() && entry.parse::<u64>().is_ok();
+            let why = if is_fraction { "decimals have a point, commas part the axes" } else { "name its axis" };
+            return Err(ScaleFailure::NoAxis(shown, why));
+        };
+        let Some(axis) = AxisName::new(name).map(|axis| axis.to_string()) else {
+            let capital = name.to_uppercase();
+            let near = AxisName::new(&capital).map_or_else(String::new, |_| format!("; did you mean `{capital}`?"));
+            return Err(ScaleFailure::NotAxis(name.escape_debug().to_string(), near));
+        };
+        let value = number(value).ok().filter(|value| (least..=most).contains(value));
+        let value = value.ok_or(ScaleFailure::NotNumber(shown))?;
+        if all.iter().any(|(known, _)| *known == axis) {
+            return Err(ScaleFailure::Twice(axis));
+        }
+        all.push((axis, value));
+    }
+    Ok(all)
 }
 
 impl CompensationOptions {
@@ -202,11 +229,7 @@ impl CompensationOptions {
             target.manifest.mechanism.fit(fit);
         }
         if !self.scale.is_empty() {
-            let Some(in_force) = scales(&self.scale) else {
-                let [least, most] = DriveScale::RANGE;
-                let expected = format!("axes, each once, with `=` and a number from {least} to {most}");
-                return call.usage(format!("--scale: `{}` is not {expected}", self.scale.join(",").escape_debug()));
-            };
+            let in_force = scales(&self.scale).or_else(|why| call.usage(format!("--scale: {why}")))?;
             if target.manifest.mechanism.scale().is_none() {
                 return call.usage(format!("--scale: the target `{name}` has no scale of drives in its files"));
             }

@@ -31,7 +31,7 @@ pub(crate) fn raise_remark(figures: &[RaisedFigure]) -> Option<String> {
 pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
     let mut found: Vec<Diagnostic> = finite::refusal(&[before, after]).into_iter().collect();
-    let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
+    let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms || a.p95 < 0.999 * b.p95;
     let lessens =
         lessened(&before.position_um, &after.position_um) || lessened(&before.tool_axis_urad, &after.tool_axis_urad);
     if certificate.strongest.is_none() && !lessens {

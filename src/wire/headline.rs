@@ -195,7 +195,7 @@ fn ratio(before: &Summary, after: &Summary, left: Option<&CertificateBands>, ove
         };
         format!("; within their uncertainty{without} {low} to {high} um are left")
     });
-    if before < ROUNDING_UM {
+    if before.max(after) < ROUNDING_UM {
         format!("There is nothing to compensate, {over}.\n")
     } else if after < ROUNDING_UM {
         format!("{falls} to below a nanometre, {over}{left}.\n")

@@ -131,8 +131,9 @@ pub fn recognise(
 }
 
 fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[NamedText], diagnostics: &mut Diagnostics) {
-    // Past the first line a reader has met something that it knows.
-    let past = failed.filter(|(_, fault)| fault.line > 0);
+    // Past the first line a reader has met something that it knows. Files of this program are none of a control.
+    let is_own = |file: usize| [".yaml", ".yml", ".json", ".md"].iter().any(|end| files[file].0.ends_with(end));
+    let past = failed.filter(|(file, fault)| fault.line > 0 && !is_own(*file));
     if let Some((file, fault)) = past.reduce(|a, b| if b.1.line > a.1.line { b } else { a }) {
         let (name, text) = &files[file];
         let source = diagnostics.sources.add(&**name, &**text);
