@@ -2,7 +2,7 @@
 
 use super::defaults::FIVE;
 use super::first_hour::typed;
-use super::program::{Folder, available, json, refused, text};
+use super::program::{Folder, abbe, available, json, refused, text};
 use std::collections::BTreeMap;
 
 #[test]
@@ -228,6 +228,10 @@ fn a_slip_of_units_lists_and_curves_is_answered_by_its_cause() {
         let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(code == 1 && one_line.contains(remedy), "{remedy}: {message}");
     }
+    // A column in the wrong unit is named, in its file.
+    folder.with("x.csv", "X [mm],EXX [mm],EYX [um]\n0,0,0\n500,60,2\n");
+    let (_, message) = refused(&["check", text(&folder.with("m.yaml", &with("measured: [x.csv]\n")))]);
+    assert!(message.contains("`EXX` reaches 60 mm") && message.contains("x.csv:1:8"), "{message}");
     // The minus of typography is one.
     let file = folder.with("m.yaml", &with("errors: { EC0Y: \u{2212}40 urad }\n"));
     let found = json(&["map", text(&file), "--format", "json"])["position_um"]["max"].as_f64().unwrap();
@@ -430,4 +434,61 @@ fn travels_and_letters_that_are_seldom_meant_are_asked_about() {
     }
     let file = folder.with("m.yaml", FIVE);
     assert_eq!(refused(&["check", text(&file)]).1, "");
+}
+
+#[test]
+fn readings_of_few_rows_that_lost_something_are_asked_about() {
+    let folder = Folder::new("lost-rows");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", ""));
+    let run = |name: &str, by: f64, count: usize| -> String {
+        let one = |i: usize| format!("{name},{},{:.3}\n", 100 * i, by * (20.0 * i as f64 + 2.0 * noise(i as f64)));
+        (0..count).map(one).collect()
+    };
+    let whole = run("face", 1.0, 5) + &run("turned", 0.9, 5);
+    for (rows, words) in [
+        (whole.clone(), None),
+        (run("face", 1.0, 5) + &run("turned", 0.9, 3), Some("ends after 3 of the 5 places of run `face`")),
+        (run("face", 1.0, 5) + &run("turned", 0.9, 1), Some("a single rel.dx of run `turned` is left")),
+        (run("face", 1.0, 2), Some("2 readings determine as many unknowns")),
+        (whole.clone() + &whole, Some("10 readings of poses measured before are the same to the last digit")),
+        (run("face", 1e-3, 5) + &run("turned", 0.9e-3, 5), Some("half of the readings are 0.0")),
+    ] {
+        let data = folder.with("square.csv", &format!("run,Y [mm],rel.dx [um]\n{rows}"));
+        let (_, said) = refused(&["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"]);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.map_or(said.is_empty(), |words| said.contains(words)), "{rows}{said}");
+    }
+    // A square known to a thirtieth: nothing is in doubt.
+    let few = run("face", 1.0, 4) + &run("turned", 0.9, 4);
+    let data = folder.with("square.csv", &format!("run,Y [mm],rel.dx [um]\n{few}"));
+    let arguments = ["identify", text(&machine), "--data", text(&data), "--fit", "EC0Y"];
+    let said = abbe(&arguments);
+    assert!(said.contains("EC0Y") && !said.contains("below noise"), "{said}");
+    assert!(!json(&[&arguments[..], &["--format", "json"]].concat())["drowned"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_scale_that_cannot_be_read_is_answered_by_its_cause() {
+    let folder = Folder::new("scale-words");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", "errors: { EC0Y: 200 urad }\n"));
+    for (scale, cause) in [
+        ("x=80", "`x` is no name of an axis; did you mean `X`?"),
+        ("X=80,5", "`5` has no `=`: decimals have a point"),
+        ("80", "`80` has no `=`: name its axis"),
+        ("X=eighty", "`X=eighty` is not a number from"),
+        ("X=80,X=80", "`X` is there twice"),
+    ] {
+        let out = folder.file("never");
+        let arguments = ["compile", text(&machine), "--target", "marlin", "--scale", scale, "--out", text(&out)];
+        let (code, said) = refused(&arguments);
+        assert!(code == 2 && said.contains(cause), "{said}");
+    }
+}
+
+#[test]
+fn a_folder_without_files_of_a_control_is_called_that() {
+    let folder = Folder::new("no-set");
+    let machine = folder.with("m.yaml", &three_axes("w b Y X Z t", "identify: { fit: [EC0Y] }\n"));
+    let (code, said) = refused(&["verify", text(&machine), text(machine.parent().unwrap())]);
+    assert!(code == 1 && said.contains("E0705") && !said.contains("M17"), "{said}");
 }
