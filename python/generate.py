@@ -101,7 +101,7 @@ OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "othe
 DATA = "Iterable[Table] | Table"
 
 #: Options that take a table: a file, or columns in memory.
-TABLES = {"tool_poses", "pose_file"}
+TABLES = {"tool_poses", "axis_poses", "pose_file"}
 
 #: Words that name a folder with a set of files: one in memory does as well.
 FOLDERS = {"verify": ("folder",), "diff_sets": ("old", "new"), "locate": ("path",)}

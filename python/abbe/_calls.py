@@ -79,7 +79,7 @@ def spelt(options: Mapping[str, Any], texts: list[tuple[str, str]]) -> dict[str,
     """Returns options in the words of the façade; tables in memory go among the texts."""
 
     def one(name: str, value: Any) -> Any:
-        if name in ("tool_poses", "pose_file") and not isinstance(value, (str, os.PathLike, type(None))):
+        if name in ("tool_poses", "axis_poses", "pose_file") and not isinstance(value, (str, os.PathLike, type(None))):
             texts.append((f"{name}-{len(texts) + 1}.csv", csv_of(value)))
             return texts[-1][0]
         if name == "at" and isinstance(value, Mapping):

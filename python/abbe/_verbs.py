@@ -118,10 +118,12 @@ LowDiscrepancyChoice = TypedDict("LowDiscrepancyChoice", {"low_discrepancy": int
 
 ToolPosesChoice = TypedDict("ToolPosesChoice", {"tool_poses": Table})
 
+AxisPosesChoice = TypedDict("AxisPosesChoice", {"axis_poses": Table})
+
 JobChoice = TypedDict("JobChoice", {"job": Text})
 
 #: Poses of a map; at most 1e9.
-MapPoses = Union[Literal["grid"], RandomChoice, LowDiscrepancyChoice, ToolPosesChoice, JobChoice]
+MapPoses = Union[Literal["grid"], RandomChoice, LowDiscrepancyChoice, ToolPosesChoice, AxisPosesChoice, JobChoice]
 
 #: Style of the drawing of a deviation over a plane.
 PlaneDrawing = Literal["colours", "grid", "before_after"]
@@ -216,6 +218,7 @@ BudgetOptions = TypedDict(
     "seed": int,
     "poses": int,
     "tool_poses": Union[Table, None],
+    "axis_poses": Union[Table, None],
     "job": Union[Text, None],
     "path": Union[bool, None],
     "reference": Union[ReferenceOption, None],
@@ -284,7 +287,7 @@ IdentifyOptions = TypedDict(
     "priors": Union[Sequence[Text], None],
     "type_b": Union[Sequence[Text], None],
     "frame": Frame,
-    "axis_poses": Union[Text, None],
+    "axis_poses": Union[Table, None],
     "order": Union[Order, None],
     "robust": bool,
     "folds": Union[int, None],
@@ -688,6 +691,7 @@ class Verbs:
         *others: Verbs,
         poses: int = 1000,
         tool_poses: Table | None = None,
+        axis_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -709,6 +713,8 @@ class Verbs:
         * ``poses``: Number of tool poses, drawn from the volume of the first machine.
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
           rotary axes (deg) of the first machine.
+        * ``axis_poses``: A CSV file of poses of the axes of the first machine instead: a header of axis names, one pose
+          a line, mm and deg; omitted axes are at 0. A machine that they give the same tool poses takes them, too.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
@@ -730,6 +736,7 @@ class Verbs:
         options: dict[str, Any] = {
             "poses": poses,
             "tool_poses": tool_poses,
+            "axis_poses": axis_poses,
             "job": job,
             "path": path,
             "reference": reference,
@@ -754,6 +761,7 @@ class Verbs:
         seed: int = 1,
         poses: int = 500,
         tool_poses: Table | None = None,
+        axis_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -781,6 +789,9 @@ class Verbs:
         * ``poses``: Number of random poses, besides the corners of the volume.
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm)
           and I, J, K or rotary axes (deg).
+        * ``axis_poses``: A CSV file of poses of the axes instead: a header of axis names, one pose a line, mm and deg;
+          omitted axes are at 0. Where no error is bounded, each with a value is between ± the largest that it has at
+          these poses.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
@@ -802,6 +813,7 @@ class Verbs:
             "seed": seed,
             "poses": poses,
             "tool_poses": tool_poses,
+            "axis_poses": axis_poses,
             "job": job,
             "path": path,
             "reference": reference,
@@ -955,7 +967,7 @@ class Verbs:
         priors: Sequence[Text] | None = None,
         type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
-        axis_poses: Text | None = None,
+        axis_poses: Table | None = None,
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
@@ -1028,7 +1040,7 @@ class Verbs:
         priors: Sequence[Text] | None = None,
         type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
-        axis_poses: Text | None = None,
+        axis_poses: Table | None = None,
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
@@ -1319,7 +1331,7 @@ class Verbs:
         reference: ReferenceOption | None = None,
         data: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
-        axis_poses: Text | None = None,
+        axis_poses: Table | None = None,
         type_b: Sequence[Text] | None = None,
         noise_mm: float | None = None,
         threads: int | None = None,
@@ -1449,6 +1461,7 @@ class Verbs:
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
         tool_poses: Table | None = None,
+        axis_poses: Table | None = None,
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
@@ -1468,6 +1481,9 @@ class Verbs:
         * ``compensation``: Options of the compensation.
         * ``poses``: Number of poses of maps and certificates.
         * ``tool_poses``: A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
+        * ``axis_poses``: A CSV file of poses of the axes of the one machine instead, of which statistics and pictures
+          are taken; its page asks its own questions over the volume. A header of axis names, one pose a line, mm and
+          deg.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
@@ -1484,6 +1500,7 @@ class Verbs:
             "compensation": compensation,
             "poses": poses,
             "tool_poses": tool_poses,
+            "axis_poses": axis_poses,
             "job": job,
             "path": path,
             "reference": reference,

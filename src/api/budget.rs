@@ -1,11 +1,11 @@
 //! From tolerances to the volumetric error.
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
-use super::tolerances::{ClassSource, ToleranceOptions};
+use super::tolerances::{ClassSource, ToleranceOptions, nothing_bounded};
 use super::withheld::LimitWork;
 use crate::analysis::budget::{
-    ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, budget_from_samples, budget_poses,
-    draw_with_zone,
+    ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, bounds_by_values, budget_from_samples,
+    budget_poses, draw_with_zone,
 };
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::PartReference;
@@ -43,6 +43,9 @@ pub struct BudgetOptions {
     /// A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm) and I, J, K or
     /// rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// A CSV file of poses of the axes instead: a header of axis names, one pose a line, mm and deg; omitted axes are
+    /// at 0. Where no error is bounded, each with a value is between ± the largest that it has at these poses.
+    pub axis_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
@@ -76,6 +79,7 @@ impl Default for BudgetOptions {
             seed: 1,
             poses: 500,
             tool_poses: None,
+            axis_poses: None,
             job: None,
             path: None,
             reference: None,
@@ -93,7 +97,12 @@ impl Default for BudgetOptions {
 impl BudgetOptions {
     /// Returns the files of the job.
     pub(crate) fn job_paths(&self) -> JobPaths<'_> {
-        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths {
+            job: self.job.as_deref(),
+            tool_poses: self.tool_poses.as_deref(),
+            axis_poses: self.axis_poses.as_deref(),
+            path: self.path,
+        }
     }
 
     /// Returns what drawn machines depend on.
@@ -125,6 +134,10 @@ pub struct BudgetResult {
     /// The budget.
     #[serde(flatten)]
     pub budget: BudgetFigures,
+    /// `values` where no error is bounded: then each is between ± the largest value that it has at the poses of the
+    /// axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<&'static str>,
     /// Which of the errors that act are known.
     pub coverage: Coverage,
     /// Name of the machine.
@@ -227,8 +240,8 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Repl
 pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetShard> {
     let part_of = |call: &mut Call<'_>, file: &MachineFile| {
         let at = fitting(call, file, options)?;
-        let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
+        let BudgetBounds { list: bounds, .. } = work.bounds(call, file, options)?;
         let request = work.request(file, options, (&bounds, at.as_deref()));
         budget_parts::draw_part(call, options.division(&options.drawn_by()), request)
     };
@@ -240,8 +253,17 @@ const MAX_POSES: usize = 100_000;
 
 fn budgeted(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
     let at = fitting(call, machine, options)?;
-    let bounded = options.tolerances.bounds(call, machine)?;
-    budget_of(call, machine, options, at, bounded)
+    let work = BudgetWork::of(call, machine, options)?;
+    let bounds = work.bounds(call, machine, options)?;
+    budget_of(call, machine, options, at, (work, bounds))
+}
+
+/// The bounds of a budget.
+pub(crate) struct BudgetBounds {
+    pub list: Vec<Bound>,
+    pub class: Option<ClassSource>,
+    /// True if they are values, since no error is bounded.
+    pub are_values: bool,
 }
 
 /// Refuses options that make no sense together, and returns the pose asked for.
@@ -262,7 +284,7 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> R
 }
 
 /// The poses of a budget and the generator of its machines.
-struct BudgetWork {
+pub(crate) struct BudgetWork {
     poses: Vec<Pose>,
     tool_poses: Option<ReachedToolPoses>,
     toleranced: Option<JobCharacteristics>,
@@ -274,7 +296,27 @@ struct BudgetWork {
 }
 
 impl BudgetWork {
-    fn of(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<Self, Refused> {
+    /// Returns the bounds in force; of poses of the axes of a machine of which no error is bounded, its values.
+    fn bounds(&self, call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetBounds, Refused> {
+        let of_axes = self.tool_poses.as_ref().is_some_and(|of| of.of_axes);
+        let (list, class) = match of_axes {
+            true => options.tolerances.bounds_if_any(call, machine)?,
+            false => options.tolerances.bounds(call, machine)?,
+        };
+        if !list.is_empty() {
+            return Ok(BudgetBounds { list, class, are_values: false });
+        }
+        let list = bounds_by_values(machine, &self.poses);
+        if list.is_empty() {
+            return call.refuse(nothing_bounded(machine));
+        }
+        if options.goal_mm.is_some() {
+            return call.usage("`--goal` is about tolerances, and no error is bounded: give some, or omit it");
+        }
+        Ok(BudgetBounds { list, class, are_values: true })
+    }
+
+    pub(crate) fn of(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<Self, Refused> {
         let paths = options.job_paths();
         let job = paths.read(call, machine)?;
         let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
@@ -378,9 +420,9 @@ pub(crate) fn budget_of(
     machine: &MachineFile,
     options: &BudgetOptions,
     at: Option<Pose>,
-    (bounds, class): (Vec<Bound>, Option<ClassSource>),
+    (work, bounds): (BudgetWork, BudgetBounds),
 ) -> Result<BudgetResult, Refused> {
-    let work = BudgetWork::of(call, machine, options)?;
+    let BudgetBounds { list: bounds, class, are_values } = bounds;
     let request = work.request(machine, options, (&bounds, at.as_deref()));
     let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
@@ -394,7 +436,8 @@ pub(crate) fn budget_of(
         None => None,
     };
     let drawing = options.tolerances.drawing(class, options.samples, options.seed);
-    let best_fit = if options.reference.is_none() && work.tool_poses.is_none() {
+    let has_part = work.tool_poses.as_ref().is_some_and(|of| !of.of_axes);
+    let best_fit = if options.reference.is_none() && !has_part {
         Some(best_fit(call, machine, &work, request, &budget)?)
     } else {
         None
@@ -419,6 +462,7 @@ pub(crate) fn budget_of(
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
     Ok(BudgetResult {
         budget,
+        from: are_values.then_some("values"),
         coverage,
         machine,
         chain,

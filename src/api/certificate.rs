@@ -83,7 +83,7 @@ impl WorkOfCertificate {
 impl CertifiedWork {
     /// Returns the files of the job.
     pub(crate) fn job_paths(&self) -> JobPaths<'_> {
-        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), axis_poses: None, path: self.path }
     }
 
     /// Returns the scope with the job, if there is one.

@@ -89,7 +89,7 @@ fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile 
     machine.questions.iter().for_each(|question| diagnostics.push(question.clone()));
     let found = Call::answer(run, machine.sources(), |call| {
         call.extend(class_without_rotary(&machine));
-        let paths = JobPaths { job: None, tool_poses: None, path: None };
+        let paths = JobPaths::default();
         paths.with_tool(call, &machine, |call, machine| {
             let Some(job) = paths.read(call, machine)? else { return Ok(()) };
             let reached = job.poses.reached(call, machine)?;

@@ -39,6 +39,9 @@ pub struct CompareOptions {
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes
     /// (deg) of the first machine.
     pub tool_poses: Option<PathBuf>,
+    /// A CSV file of poses of the axes of the first machine instead: a header of axis names, one pose a line, mm and
+    /// deg; omitted axes are at 0. A machine that they give the same tool poses takes them, too.
+    pub axis_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
@@ -67,7 +70,12 @@ pub struct CompareOptions {
 impl CompareOptions {
     /// Returns the files of the job.
     pub(crate) fn job_paths(&self) -> JobPaths<'_> {
-        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths {
+            job: self.job.as_deref(),
+            tool_poses: self.tool_poses.as_deref(),
+            axis_poses: self.axis_poses.as_deref(),
+            path: self.path,
+        }
     }
 }
 
@@ -77,6 +85,7 @@ impl Default for CompareOptions {
         Self {
             poses: 1000,
             tool_poses: None,
+            axis_poses: None,
             job: None,
             path: None,
             reference: None,
@@ -269,7 +278,8 @@ fn side_by_side(
     let whole = alike.figures(call, comparison.clone(), &set_ups)?;
     let counts = [comparison.asked, comparison.common.len()];
     let over = |reference: &Reference| Over::common(first, reference, asked, counts);
-    let fitted = match (&options.reference, asked) {
+    let part = job.as_ref().filter(|job| job.has_part());
+    let fitted = match (&options.reference, part) {
         (None, None) => {
             let fits: Vec<SetUp> = sides.iter().map(|(machine, poses)| SetUp::best_fit(machine, poses)).collect();
             Some(alike.figures(call, comparison.clone(), &fits)?)

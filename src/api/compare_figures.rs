@@ -166,7 +166,9 @@ pub(crate) fn set_ups(
 ) -> Result<(Vec<SetUp>, Option<String>), Refused> {
     let stated = Job::stated(job, asked);
     let is_stated = stated.is_some();
-    let reference = stated.or_else(|| job.map(Job::zero)).unwrap_or_else(Reference::machine_less_unheld);
+    let reference = stated
+        .or_else(|| job.filter(|job| job.has_part()).map(Job::zero))
+        .unwrap_or_else(Reference::machine_less_unheld);
     // What one machine is without, all are without.
     let motions: Vec<UnheldMotion> = files.iter().flat_map(|file| file.unheld()).copied().collect();
     let mut list = Vec::new();

@@ -112,7 +112,7 @@ impl TargetResidual {
     /// the volume that of 95 % of the poses.
     pub fn deciding_um(&self) -> (f64, f64) {
         let deciding = |of: &Figures| match self.over.kind {
-            OverKind::Job => of.position_um.max,
+            OverKind::Job | OverKind::AxisPoses => of.position_um.max,
             OverKind::Volume => of.position_um.p95,
         };
         (deciding(&self.uncompensated), deciding(&self.compensated))

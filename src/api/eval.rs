@@ -60,7 +60,7 @@ impl EvalOptions {
     fn job_paths(&self) -> JobPaths<'_> {
         let is_posed = !self.at.is_empty() || !self.poses.is_empty() || self.pose_file.is_some();
         let posed = is_posed.then(|| Path::new(NO_JOB));
-        JobPaths { job: self.job.as_deref().or(posed), tool_poses: None, path: self.path }
+        JobPaths { job: self.job.as_deref().or(posed), tool_poses: None, axis_poses: None, path: self.path }
     }
 }
 

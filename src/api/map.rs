@@ -122,7 +122,8 @@ fn volume(
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
     let job = options.job().read(call, file)?;
-    let part = degree(call, options, job.is_some())?.map(|degree| OneDegree { machine, degree });
+    let part =
+        degree(call, options, job.as_ref().is_some_and(Job::has_part))?.map(|degree| OneDegree { machine, degree });
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;
     let compensation = compensation(call, machine, options, order)?;

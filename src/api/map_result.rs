@@ -93,13 +93,14 @@ impl Default for MapOptions {
 impl MapOptions {
     /// Returns the files of the job, if the poses are of one.
     pub(crate) fn job(&self) -> JobPaths<'_> {
-        let (job, tool_poses) = match &self.poses {
-            MapPoses::ToolPoses(path) => (None, Some(path.as_path())),
-            MapPoses::Job(path) => (Some(path.as_path()), None),
-            MapPoses::Grid => (None, None),
-            _ => (Some(Path::new(NO_JOB)), None),
-        };
-        JobPaths { job, tool_poses, path: self.path }
+        let of = JobPaths { path: self.path, ..JobPaths::default() };
+        match &self.poses {
+            MapPoses::ToolPoses(path) => JobPaths { tool_poses: Some(path), ..of },
+            MapPoses::AxisPoses(path) => JobPaths { axis_poses: Some(path), ..of },
+            MapPoses::Job(path) => JobPaths { job: Some(path), ..of },
+            MapPoses::Grid => of,
+            _ => JobPaths { job: Some(Path::new(NO_JOB)), ..of },
+        }
     }
 
     /// Returns the set-up of the part of a map.
@@ -139,6 +140,8 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
+    /// The poses of a CSV file: a header of axis names, one pose a line, mm and deg; omitted axes are at 0.
+    AxisPoses(PathBuf),
     /// The poses for the tool poses of a job file, with the reference that it states; `none` in its place leaves the
     /// job of the machine file out, for the grid of the volume.
     Job(PathBuf),
@@ -159,7 +162,7 @@ impl MapPoses {
             Self::Grid => file.job.is_none().then(|| of_volume(file, 0).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
             Self::Listed(list) => Some(list.len()),
-            Self::ToolPoses(_) | Self::Job(_) => None,
+            Self::ToolPoses(_) | Self::AxisPoses(_) | Self::Job(_) => None,
         }
     }
 
@@ -172,7 +175,7 @@ impl MapPoses {
         Ok(match self {
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
-            Self::Grid | Self::ToolPoses(_) | Self::Job(_) => match reached {
+            Self::Grid | Self::ToolPoses(_) | Self::AxisPoses(_) | Self::Job(_) => match reached {
                 Some(reached) => Poses::Listed(reached.poses.clone()),
                 None => of_volume(machine, seed),
             },

@@ -57,7 +57,12 @@ impl ReachOptions {
     /// Returns the files of the job. A box that is asked for comes before the job of the machine file.
     fn job_paths(&self) -> JobPaths<'_> {
         let boxed = (self.is_box() && self.tool_poses.is_none()).then(|| Path::new(NO_JOB));
-        JobPaths { job: self.job.as_deref().or(boxed), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths {
+            job: self.job.as_deref().or(boxed),
+            tool_poses: self.tool_poses.as_deref(),
+            axis_poses: None,
+            path: self.path,
+        }
     }
 }
 

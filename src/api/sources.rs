@@ -45,7 +45,7 @@ impl SourcesOptions {
     pub const MAX_POSES: usize = 10_000;
 
     fn job_paths(&self) -> JobPaths<'_> {
-        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), axis_poses: None, path: self.path }
     }
 }
 

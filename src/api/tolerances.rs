@@ -142,11 +142,12 @@ fn short_of_rotary(machine: &Machine, name: &str, class: &Class) -> Option<Diagn
     })
 }
 
-fn nothing_bounded(machine: &Machine) -> Diagnostic {
+/// Returns the refusal of a machine without bounds.
+pub(super) fn nothing_bounded(machine: &Machine) -> Diagnostic {
     let given = known(machine);
     let message = format!("`{}` has no error that is only bounded", shown(machine.name()));
     let values = if given > 0 {
-        format!("its {given} errors have values, which a budget does not draw; ")
+        format!("its {given} errors have values, which a budget takes for bounds only with `--axis-poses`; ")
     } else {
         String::new()
     };

@@ -91,6 +91,12 @@ pub(super) struct ToolPosesArg {
 }
 
 #[derive(Debug, Clone, clap::Args)]
+pub(super) struct AxisPosesArg {
+    #[arg(long, value_name = "FILE", help = help::AXIS_POSES)]
+    pub(super) axis_poses: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, clap::Args)]
 pub(super) struct JobArg {
     /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
     #[arg(long, value_name = "FILE")]
@@ -121,7 +127,7 @@ fn yes_or_no(text: &str) -> Result<bool, Reason> {
 pub(super) struct ReferenceArg {
     /// What the set-up of the part takes out: machine (nothing), zero, zero:X,Y,Z (mm), best-fit,
     /// best-fit:minimum-zone, machine-less-unheld, or a datum. A datum has six points and normals,
-    /// datum:X,Y,Z,I,J,K:... [default: zero for tool poses, machine-less-unheld for a volume].
+    /// datum:X,Y,Z,I,J,K:... [default: zero for tool poses, machine-less-unheld otherwise].
     #[arg(long, value_name = "REFERENCE", allow_hyphen_values = true)]
     pub(super) reference: Option<Reference>,
 }

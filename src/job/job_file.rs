@@ -55,13 +55,15 @@ pub(crate) struct Job {
     reference_written: Option<Place>,
 }
 
-/// The files that make a job: at most one of them is there. Without both the job of the machine file counts.
-#[derive(Debug, Clone, Copy)]
+/// The files that make a job: at most one of them is there. Without all the job of the machine file counts.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct JobPaths<'a> {
     /// The job file, or [`NO_JOB`].
     pub job: Option<&'a Path>,
     /// The bare tool poses.
     pub tool_poses: Option<&'a Path>,
+    /// Poses of the axes, which are a job without a part.
+    pub axis_poses: Option<&'a Path>,
     /// True if the tool poses are one path; by default what the job file says, or else of CL data alone.
     pub path: Option<bool>,
 }
@@ -89,7 +91,7 @@ impl<'a> JobPaths<'a> {
         first: &'a MachineFile,
         others: &'a [MachineFile],
     ) -> impl Iterator<Item = Diagnostic> + 'a {
-        let asked = self.job.or(self.tool_poses);
+        let asked = self.job.or(self.tool_poses).or(self.axis_poses);
         let by = match (asked, &first.job) {
             (Some(path), _) => format!("`{}`", path.display()),
             (None, Some(_)) => format!("that of `{}`", first.path()),
@@ -105,24 +107,28 @@ impl<'a> JobPaths<'a> {
     pub(crate) fn read_unplaced(self, call: &mut Call<'_>, file: &MachineFile) -> Result<Option<UnplacedJob>, Refused> {
         let job = self.job.filter(|path| *path != Path::new(NO_JOB));
         let own = file.job.is_some() && (self.job.is_none() || job.is_some());
-        match (job, self.tool_poses) {
-            (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
-            (Some(path), None) => {
+        match (job, self.tool_poses, self.axis_poses) {
+            (Some(_), Some(_), _) => call.usage("a job file names its tool poses: omit one of the two"),
+            (_, Some(_), Some(_)) | (Some(_), _, Some(_)) => {
+                call.usage("poses of the axes take the place of a job and of tool poses: give one of them")
+            }
+            (Some(path), None, None) => {
                 call.extend(own.then(|| displaced(file, &format!("`{}`", path.display()))));
                 from_file(call, file, path, self.path).map(Some)
             }
-            (None, Some(path)) => {
+            (None, Some(path), None) | (None, None, Some(path)) => {
                 call.extend(own.then(|| displaced(file, &format!("`{}`", path.display()))));
-                let poses = tool_poses::read(call, file, path)?.along(self.path);
+                let read = if self.axis_poses.is_some() { tool_poses::read_axes } else { tool_poses::read };
+                let poses = read(call, file, path)?.along(self.path);
                 let (features, place) = (FeatureTolerances::default(), Placement::default());
                 let (limit_mm, reference, reference_written) = (None, None, None);
                 Ok(Some(UnplacedJob(Job { poses, limit_mm, features, place, reference, reference_written })))
             }
-            (None, None) if own => from_machine_file(call, file, self.path),
-            (None, None) if self.path.is_some() => {
+            (None, None, None) if own => from_machine_file(call, file, self.path),
+            (None, None, None) if self.path.is_some() => {
                 call.usage("`--path` is about tool poses: give `--job` or `--tool-poses`")
             }
-            (None, None) => Ok(None),
+            (None, None, None) => Ok(None),
         }
     }
 }
@@ -177,7 +183,7 @@ impl Job {
     }
 
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
-    /// else the zero at the part's origin, and without a job the motions that the data behind the errors do not hold;
+    /// else the zero at the part's origin, and without a part the motions that the data behind the errors do not hold;
     /// fits are over the poses (mm, deg).
     pub(crate) fn set_up(
         job: Option<&Self>,
@@ -186,7 +192,7 @@ impl Job {
         asked: Option<&Reference>,
         poses: &[Pose],
     ) -> Result<SetUp, Refused> {
-        match (Self::stated(job, asked), job) {
+        match (Self::stated(job, asked), job.filter(|job| job.has_part())) {
             (Some(stated), _) => {
                 SetUp::new(machine, &stated, poses).or_else(|refusal| call.refuse(Self::located(job, asked, refusal)))
             }
@@ -217,6 +223,11 @@ impl Job {
         let place = job.map_or_else(Placement::default, |job| job.place);
         let stated = asked.or_else(|| job?.reference.as_ref())?;
         Some(stated.clone().placed(place))
+    }
+
+    /// True if it is of a part: poses of the axes are not.
+    pub(crate) fn has_part(&self) -> bool {
+        !self.poses.are_axes()
     }
 
     /// Returns the zero at the part's origin.

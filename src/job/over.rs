@@ -13,12 +13,21 @@ pub enum OverKind {
     Volume,
     /// The tool poses of a part.
     Job,
+    /// Poses of the axes.
+    AxisPoses,
+}
+
+impl OverKind {
+    /// Returns that of the rows of a file: poses of the axes, or tool poses.
+    fn of_rows(are_axes: bool) -> Self {
+        if are_axes { Self::AxisPoses } else { Self::Job }
+    }
 }
 
 /// What a result is over.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Over {
-    /// A volume or a job.
+    /// A volume, a job, or poses of the axes.
     pub kind: OverKind,
     /// Motion that the part's set-up takes out.
     pub reference: ReferenceKind,
@@ -54,7 +63,7 @@ impl Over {
     /// Returns the statement for the tool poses that machines have in common: of a job, or else of the volume of the
     /// first.
     pub(crate) fn common(first: &Machine, reference: &Reference, job: Option<&ToolPoses>, counts: [usize; 2]) -> Self {
-        let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
+        let kind = job.map_or(OverKind::Volume, |job| OverKind::of_rows(job.are_axes()));
         Self::new(kind, first, reference, counts).along(job.is_some_and(ToolPoses::is_path))
     }
 
@@ -66,7 +75,10 @@ impl Over {
         count: usize,
     ) -> Self {
         match tool_poses {
-            Some(of) => Self::new(OverKind::Job, machine, reference, [of.asked, of.reached]).along(of.path.is_some()),
+            Some(of) => {
+                let kind = OverKind::of_rows(of.of_axes);
+                Self::new(kind, machine, reference, [of.asked, of.reached]).along(of.path.is_some())
+            }
             None => Self::new(OverKind::Volume, machine, reference, [count, count]),
         }
     }
@@ -84,15 +96,19 @@ impl Over {
     /// Returns the statement in one line, such as `Over a job of 300 tool poses, 298 reached, single poses; reference:
     /// zero at (0, 0, 0) along (0, 0, 1); tool: short`.
     pub fn line(&self) -> String {
+        let path = if self.path { "one path" } else { "single poses" };
         let of = match self.kind {
             OverKind::Volume if self.reached < self.poses => {
                 format!("the volume, {}, {} reached", counted(self.poses, "pose"), self.reached)
             }
             OverKind::Volume => format!("the volume, {}", counted(self.poses, "pose")),
             OverKind::Job => {
-                let path = if self.path { "one path" } else { "single poses" };
                 format!("a job of {}, {} reached, {path}", counted(self.poses, "tool pose"), self.reached)
             }
+            OverKind::AxisPoses if self.reached < self.poses => {
+                format!("{} of the axes, {} reached, {path}", counted(self.poses, "pose"), self.reached)
+            }
+            OverKind::AxisPoses => format!("{} of the axes, {path}", counted(self.poses, "pose")),
         };
         let tool = if self.tool.is_empty() { "that of the file" } else { &self.tool };
         format!("Over {of}; reference: {}; tool: {tool}", self.words)

@@ -38,12 +38,22 @@ pub(crate) fn poses(
         list.push(pose.clone());
     }
     if let Some(path) = file {
-        list.extend(from_file(call, machine, path)?);
+        list.extend(rows_of_file(call, machine, path)?.into_iter().map(|row| row.pose));
     } else if list.is_empty() {
         list.push(vec![0.0; machine.axes().len()]);
     }
     check(call, machine, &list)?;
     Ok(list)
+}
+
+/// A pose of a file.
+pub(crate) struct PoseRow {
+    /// Place of the row in the file.
+    pub place: Place,
+    /// 1-based.
+    pub line: usize,
+    /// Positions of all axes, mm and deg.
+    pub pose: Pose,
 }
 
 pub(crate) fn pose_option(
@@ -191,11 +201,12 @@ pub(crate) fn other_units<'p>(
     machine.axes().iter().enumerate().filter(|(_, axis)| is_bare(axis)).filter_map(one).collect()
 }
 
-fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Refused> {
+/// Reads a file of poses of the axes: a header of axis names, one pose a line, mm and deg.
+pub(crate) fn rows_of_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<PoseRow>, Refused> {
     let read = read_table_text(path, None, call.run.files, &mut call.diagnostics);
     let Some((source, text)) = read else { return Err(Refused) };
     let parsed = parse(machine, &text);
-    let (header, poses) = parsed.or_else(|(line, refusal)| {
+    let PoseTable { header, poses } = parsed.or_else(|(line, refusal)| {
         let place = Some(line_place(source, &text, line));
         let help = "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg";
         call.refuse(refusal.at(place, "").help(help))
@@ -203,8 +214,14 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<
     let line = text.lines().nth(header).unwrap_or("");
     let cells: Vec<String> = line.split(separator(line)).map(|cell| cell.trim().to_owned()).collect();
     let place = Some(line_place(source, &text, header));
-    call.extend(other_units(machine, &cells, poses.iter(), &place));
-    Ok(poses)
+    call.extend(other_units(machine, &cells, poses.iter().map(|(_, pose)| pose), &place));
+    let starts: Vec<usize> = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+    let row = |(line, pose): (usize, Pose)| {
+        let start = starts.get(line).copied().unwrap_or(text.len());
+        let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+        PoseRow { place: Place { source, range: start..start + length }, line: line + 1, pose }
+    };
+    Ok(poses.into_iter().map(row).collect())
 }
 
 fn line_place(source: SourceId, text: &str, line: usize) -> Place {
@@ -217,8 +234,14 @@ fn wrong(message: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::E0802, message)
 }
 
-/// Returns the 0-based line of the header and the poses, or a line with its refusal.
-fn parse(machine: &Machine, text: &str) -> Result<(usize, Vec<Pose>), (usize, Diagnostic)> {
+/// A table of poses; lines are from 0.
+struct PoseTable {
+    header: usize,
+    poses: Vec<(usize, Pose)>,
+}
+
+/// Returns the table of a text, or a line with its refusal.
+fn parse(machine: &Machine, text: &str) -> Result<PoseTable, (usize, Diagnostic)> {
     let data = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
     let mut lines = text.lines().enumerate().filter(|(_, line)| data(line));
     let (at, header) = lines.next().ok_or((0, wrong("the file has no header")))?;
@@ -226,12 +249,13 @@ fn parse(machine: &Machine, text: &str) -> Result<(usize, Vec<Pose>), (usize, Di
     let columns = header_columns(machine, header, separator).map_err(|refusal| (at, refusal))?;
     let mut poses = Vec::new();
     for (number, line) in lines {
-        poses.push(row(machine, &columns, line, separator).map_err(|refusal| (number, refusal))?);
+        let pose = row(machine, &columns, line, separator).map_err(|refusal| (number, refusal))?;
+        poses.push((number, pose));
         if poses.len() > MAX_POSES {
             return Err((number, wrong(format!("more than {MAX_POSES} poses; use `map` for a whole volume"))));
         }
     }
-    if poses.is_empty() { Err((at, wrong("the file has no poses"))) } else { Ok((at, poses)) }
+    if poses.is_empty() { Err((at, wrong("the file has no poses"))) } else { Ok(PoseTable { header: at, poses }) }
 }
 
 fn header_columns(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, Diagnostic> {

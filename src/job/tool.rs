@@ -48,7 +48,11 @@ impl JobPaths<'_> {
 
     /// Returns the tool that the job names; none where one was asked for with the machine.
     fn tool(self, call: &Call<'_>, file: &MachineFile) -> Option<String> {
-        if file.is_tool_asked || self.tool_poses.is_some() || self.job == Some(Path::new(NO_JOB)) {
+        if file.is_tool_asked
+            || self.tool_poses.is_some()
+            || self.axis_poses.is_some()
+            || self.job == Some(Path::new(NO_JOB))
+        {
             return None;
         }
         let mut apart = Diagnostics::default();

@@ -29,7 +29,7 @@ pub fn limit(limit: Option<&LimitVerdict>) -> String {
 /// `over 298 of 300 tool poses`.
 pub fn over(of: &Over) -> String {
     let what = match of.kind {
-        OverKind::Volume => "pose",
+        OverKind::Volume | OverKind::AxisPoses => "pose",
         OverKind::Job => "tool pose",
     };
     let all = counted(of.poses, what);
@@ -172,7 +172,7 @@ pub fn compare_targets(of: &TargetComparison) -> String {
     let (before, after) = best.deciding_um();
     let left = if after < ROUNDING_UM { "less than a nanometre".to_owned() } else { format!("{} um", short(after)) };
     let figure = match best.over.kind {
-        OverKind::Job => "largest",
+        OverKind::Job | OverKind::AxisPoses => "largest",
         OverKind::Volume => "95 %",
     };
     let target = &best.target;

@@ -8,7 +8,7 @@ use crate::analysis::reference::ReferencedField;
 use crate::analysis::{MAX_POSES, MapFailure, View, map};
 use crate::api;
 use crate::api::bounded::{AddingBounds, DrawnBounds};
-use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
+use crate::api::budget::{BudgetBounds, BudgetOptions, BudgetResult, BudgetWork, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::certificate::without_unheld;
 use crate::api::compare_figures::{removed, set_ups};
@@ -82,6 +82,9 @@ pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run) -> Reply
 
 fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
     call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    if options.axis_poses.is_some() && files.len() > 1 {
+        return call.usage("poses of the axes are of one machine: `abbe compare` takes them for several");
+    }
     let subjects: Vec<Subject<'_>> =
         files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
     let read = subjects.iter().filter_map(|subject| Some(subject.work.as_ref()?.1["file"].as_str()?.to_owned()));
@@ -183,7 +186,7 @@ impl<'a> Subject<'a> {
         for name in targets {
             written.extend(compensate(call, file, name, options)?);
         }
-        let budget = own_budget(call, file, options, job.is_some())?;
+        let budget = own_budget(call, file, options, job.as_ref().is_some_and(Job::has_part))?;
         let map = job.as_ref().map(|_| map_of_job(call, file, options, bounded.is_some())).transpose()?;
         let round = match job.as_ref().zip(reached.as_ref()) {
             Some((job, reached)) => round(call, file, (job, reached), options, (bounded.as_ref(), &set_up))?,
@@ -264,10 +267,11 @@ fn map_of_job(
     is_bounded: bool,
 ) -> Result<MapResult, Refused> {
     let ReportOptions { path, order, seed, approach, samples, .. } = *options;
-    let poses = match (&options.job, &options.tool_poses) {
-        (Some(job), _) => MapPoses::Job(job.clone()),
-        (None, Some(tool_poses)) => MapPoses::ToolPoses(tool_poses.clone()),
-        (None, None) => MapPoses::Grid,
+    let poses = match (&options.job, &options.tool_poses, &options.axis_poses) {
+        (Some(job), ..) => MapPoses::Job(job.clone()),
+        (None, Some(tool_poses), _) => MapPoses::ToolPoses(tool_poses.clone()),
+        (None, None, Some(axis_poses)) => MapPoses::AxisPoses(axis_poses.clone()),
+        (None, None, None) => MapPoses::Grid,
     };
     let (reference, tolerances) = (options.reference.clone(), options.tolerances.clone());
     let order = order.filter(|_| !is_bounded);
@@ -341,7 +345,7 @@ fn own_budget(
     call: &mut Call,
     machine: &MachineFile,
     options: &ReportOptions,
-    has_job: bool,
+    has_part: bool,
 ) -> Result<Option<BudgetResult>, Refused> {
     let ReportOptions { samples, seed, poses, path, .. } = *options;
     let bounded = options.tolerances.bounds_if_any(call, machine)?;
@@ -350,12 +354,17 @@ fn own_budget(
     }
     let (tolerances, tool_poses) = (options.tolerances.clone(), options.tool_poses.clone());
     // Of a volume the page shows one reference.
-    let reference = options.reference.clone().or_else(|| (!has_job).then(Reference::default));
+    let reference = options.reference.clone().or_else(|| (!has_part).then(Reference::default));
     let of =
         BudgetOptions { tolerances, samples, seed, poses, path, tool_poses, reference, ..BudgetOptions::default() };
-    let of = BudgetOptions { job: options.job.clone(), ..of };
-    answer_within(call, |run| Call::answer(run, machine.sources(), |call| budget_of(call, machine, &of, None, bounded)))
-        .map(Some)
+    let of = BudgetOptions { job: options.job.clone(), axis_poses: options.axis_poses.clone(), ..of };
+    let (list, class) = bounded;
+    let bounds = BudgetBounds { list, class, are_values: false };
+    let ask = |call: &mut Call| {
+        let work = BudgetWork::of(call, machine, &of)?;
+        budget_of(call, machine, &of, None, (work, bounds))
+    };
+    answer_within(call, |run| Call::answer(run, machine.sources(), ask)).map(Some)
 }
 
 /// Several machines on the same work, with their budgets where all have one.

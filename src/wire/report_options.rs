@@ -21,6 +21,9 @@ pub struct ReportOptions {
     pub poses: usize,
     /// A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
     pub tool_poses: Option<PathBuf>,
+    /// A CSV file of poses of the axes of the one machine instead, of which statistics and pictures are taken; its page
+    /// asks its own questions over the volume. A header of axis names, one pose a line, mm and deg.
+    pub axis_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
@@ -45,7 +48,12 @@ pub struct ReportOptions {
 impl ReportOptions {
     /// Returns the files of the job.
     pub(super) fn job_paths(&self) -> JobPaths<'_> {
-        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+        JobPaths {
+            job: self.job.as_deref(),
+            tool_poses: self.tool_poses.as_deref(),
+            axis_poses: self.axis_poses.as_deref(),
+            path: self.path,
+        }
     }
 }
 
@@ -56,6 +64,7 @@ impl Default for ReportOptions {
             compensation: CompensationOptions::default(),
             poses: 2000,
             tool_poses: None,
+            axis_poses: None,
             job: None,
             path: None,
             reference: None,

@@ -425,7 +425,7 @@ struct WorkRows {
 
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
     let WorkOptions { tool_poses, job, samples, target, reference, path, map } = options.clone();
-    let paths = JobPaths { job: job.as_deref(), tool_poses: tool_poses.as_deref(), path };
+    let paths = JobPaths { job: job.as_deref(), tool_poses: tool_poses.as_deref(), axis_poses: None, path };
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, paths))?.value;
     let (poses, reference) = match (job, tool_poses) {
         (Some(job), _) => (MapPoses::Job(job), reference),

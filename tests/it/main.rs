@@ -10,6 +10,7 @@ mod activation;
 mod annotations;
 mod archives;
 mod axis_numbers;
+mod axis_poses;
 mod bad_input;
 mod ball_touches;
 mod bound_words;

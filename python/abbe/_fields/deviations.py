@@ -19,7 +19,7 @@ class AlgebraResult(Record):
 class Over(Record):
     """What a result is over."""
 
-    kind: Annotated[Literal["volume", "job"], "A volume or a job."]
+    kind: Annotated[Literal["volume", "job", "axis_poses"], "A volume, a job, or poses of the axes."]
     reference: Annotated[Literal["machine", "machine-less-unheld", "zero", "zero-less-unheld", "datum", "best-fit"], "Motion that the part's set-up takes out."]
     minimum_zone: Annotated[Union[bool, None], "True if the best fit is the minimum zone."]
     path: Annotated[bool, "True if the poses are one continuous path."]

@@ -1,13 +1,13 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
 //! each machine's own nominal inverse kinematics.
 
-use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, tool_pose};
 use crate::analysis::path::{PathEvents, path_events, solve};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::analysis::volume::{View, deviation_in};
 use crate::evaluate::{Deviation, Difference, Field, Frame, Order, Statistics};
-use crate::machine::{OperatingConditions, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::run::Advance;
 use rayon::prelude::*;
 
@@ -104,8 +104,9 @@ impl UnreachableCount {
 type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
-/// a tool pose each machine takes the one nearest to its zero pose; a path is solved as a whole. Calls `progress` with
-/// the number of tool poses done since its last call.
+/// a tool pose each machine takes the one nearest to its zero pose; a path is solved as a whole. Poses of the axes are
+/// taken as they are by the first, and by each machine that they give the same tool poses. Calls `progress` with the
+/// number of tool poses done since its last call.
 pub fn compare<F: Send>(
     fields: &[&dyn Field],
     work: &Work,
@@ -116,7 +117,15 @@ pub fn compare<F: Send>(
         return Ok(Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() });
     };
     let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
-    let found: Vec<_> = fields.iter().map(|field| solve(field.machine(), &targets, work.is_path())).collect();
+    let taken = |field: &&dyn Field| match work {
+        Work::OfAxes { poses, .. } => as_they_are(first.machine(), field.machine(), poses, &targets),
+        _ => None,
+    };
+    let of = |field: &&dyn Field| match taken(field) {
+        Some(poses) => poses.into_iter().map(Ok).collect(),
+        None => solve(field.machine(), &targets, work.is_path()),
+    };
+    let found: Vec<Vec<Result<Pose, Miss>>> = fields.iter().map(of).collect();
     let events = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
         work.is_path().then(|| path_events(field.machine(), &targets, found))
     };
@@ -135,6 +144,25 @@ pub fn compare<F: Send>(
     let mut comparison = side_by_side(rows, fields.len());
     comparison.machines.iter_mut().zip(paths).for_each(|(side, path)| side.path = path);
     Ok(comparison)
+}
+
+/// Largest difference of tips (mm), unit vectors and turns (rad) of one tool pose.
+const SAME_TOOL_POSE: f64 = 1e-9;
+
+/// Returns poses of the axes of the first machine as those of another one; `None` where its axes have other names, or
+/// where they would give it other tool poses.
+fn as_they_are(first: &Machine, machine: &Machine, poses: &[Pose], targets: &[ToolPose]) -> Option<Vec<Pose>> {
+    let is_same_count = first.axes().len() == machine.axes().len();
+    let order = machine.axes().iter().map(|axis| first.axis_index(axis.name.as_str())).collect::<Option<Vec<usize>>>();
+    let order = order.filter(|_| is_same_count)?;
+    let own: Vec<Pose> = poses.iter().map(|pose| order.iter().map(|axis| pose[*axis]).collect()).collect();
+    let is_same = |(pose, target): (&Pose, &ToolPose)| {
+        let found = tool_pose(machine, pose);
+        let turn = found.spin_rad.zip(target.spin_rad).map_or(0.0, |(a, b)| libm::sin((a - b) / 2.0).abs());
+        let off = (found.tip - target.tip).norm().max((found.direction - target.direction).norm()).max(turn);
+        off < SAME_TOOL_POSE
+    };
+    own.par_iter().zip(targets).all(is_same).then_some(own)
 }
 
 impl Comparison {

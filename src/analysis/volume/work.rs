@@ -2,7 +2,7 @@
 
 use crate::analysis::inverse::{ToolPose, tool_pose};
 use crate::evaluate::{Poses, Random};
-use crate::machine::Machine;
+use crate::machine::{Machine, Pose};
 
 /// Tool poses, computed by index or listed.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +13,13 @@ pub enum Work {
     Listed(Vec<ToolPose>),
     /// The tool poses of one continuous path.
     Path(Vec<ToolPose>),
+    /// The tool poses of the nominal machine at these poses of its axes, which it takes as they are.
+    OfAxes {
+        /// The poses, mm and deg.
+        poses: Vec<Pose>,
+        /// True if they are one continuous path.
+        is_path: bool,
+    },
 }
 
 impl Work {
@@ -31,6 +38,7 @@ impl Work {
         match self {
             Self::OfPoses(poses) => poses.len(),
             Self::Listed(list) | Self::Path(list) => list.len(),
+            Self::OfAxes { poses, .. } => poses.len(),
         }
     }
 
@@ -39,16 +47,18 @@ impl Work {
         self.len() == 0
     }
 
-    /// Returns the tool pose with an index below [`Self::len`]; `machine` is the nominal machine of [`Self::OfPoses`].
+    /// Returns the tool pose with an index below [`Self::len`]; `machine` is the nominal machine of [`Self::OfPoses`]
+    /// and [`Self::OfAxes`].
     pub fn get(&self, machine: &Machine, index: usize) -> ToolPose {
         match self {
             Self::OfPoses(poses) => tool_pose(machine, &poses.get(index)),
             Self::Listed(list) | Self::Path(list) => list[index],
+            Self::OfAxes { poses, .. } => tool_pose(machine, &poses[index]),
         }
     }
 
     /// True if the tool poses are one continuous path.
     pub fn is_path(&self) -> bool {
-        matches!(self, Self::Path(_))
+        matches!(self, Self::Path(_) | Self::OfAxes { is_path: true, .. })
     }
 }

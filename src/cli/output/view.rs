@@ -33,7 +33,8 @@ pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
         0 => String::new(),
         n => format!(", {n} more out of reach"),
     };
-    format!("tool poses of {}{missed}", shown(&reached.file))
+    let what = if reached.of_axes { "poses" } else { "tool poses" };
+    format!("{what} of {}{missed}", shown(&reached.file))
 }
 
 /// Number of rows out of reach that are listed one by one.

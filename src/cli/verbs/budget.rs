@@ -2,8 +2,8 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{
-    self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
-    help, svg,
+    self, AxisPosesArg, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg,
+    ToolPosesArg, TopArg, help, svg,
 };
 use crate::cli::output::budget_text::{
     TOTALS_NOTE, coverage_line, short, tolerance_text, totals, totals_row, values_text,
@@ -23,6 +23,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
+#[command(mut_arg("axis_poses", |option| option.conflicts_with_all(["poses", "tool_poses", "job"])))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
 #[command(mut_arg("state", |option| option.requires("shard").conflicts_with_all(["merge", "goal"])))]
 #[command(mut_arg("shard", |option| option.conflicts_with_all(["merge", "at", "goal", "pareto", "waterfall"])))]
@@ -37,6 +38,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    axis_poses: AxisPosesArg,
     #[command(flatten)]
     job: JobArg,
     #[command(flatten)]
@@ -76,6 +79,7 @@ impl Args {
             seed: self.seed.seed,
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
+            axis_poses: self.axis_poses.axis_poses.clone(),
             reference: self.reference.reference.clone(),
             path: self.job.path,
             samples: self.samples.samples,
@@ -170,13 +174,18 @@ impl BudgetText<'_> {
         let own = budget.tighten.iter().filter(|bound| !bound.of_class).count();
         let mut text = abbe::headlines::budget(self.result);
         text += &format!("{}, {}\n{}", self.file.name(), self.file.chain(), self.result.over.text());
-        text += &format!("{} errors bounded: {own} by the machine file", budget.tighten.len());
+        text += &match self.result.from {
+            Some(_) => format!("{own} errors with values, none bounded: each within ± its largest at these poses"),
+            None => format!("{} errors bounded: {own} by the machine file", budget.tighten.len()),
+        };
         if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {
             text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);
         }
         text += "\n";
-        text += &values_text(budget.left_out, budget.with_values);
-        text += &coverage_line(&self.result.coverage).map_or_else(String::new, |line| line + "\n");
+        let left_out = if self.result.from.is_some() { 0 } else { budget.left_out };
+        text += &values_text(left_out, budget.with_values);
+        let coverage = coverage_line(&self.result.coverage).filter(|_| self.result.from.is_none());
+        text += &coverage.map_or_else(String::new, |line| line + "\n");
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             budget.poses,

@@ -2,7 +2,7 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{
-    JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
+    AxisPosesArg, JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
@@ -20,6 +20,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
+#[command(mut_arg("axis_poses", |option| option.conflicts_with_all(["poses", "tool_poses", "job"])))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
@@ -28,6 +29,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    axis_poses: AxisPosesArg,
     #[command(flatten)]
     job: JobArg,
     #[command(flatten)]
@@ -51,6 +54,7 @@ impl Args {
         CompareOptions {
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
+            axis_poses: self.axis_poses.axis_poses.clone(),
             reference: self.reference.reference.clone(),
             path: self.job.path,
             job: self.job.job.clone(),
@@ -164,6 +168,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
         match (result.over.kind, args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref())) {
             (OverKind::Volume, _) => format!("drawn from the volume of {}", result.machines[0].machine),
             (OverKind::Job, Some(path)) => format!("of {}", path.display()),
+            (OverKind::AxisPoses, _) => format!("of the poses of the axes of {}", result.machines[0].machine),
             (OverKind::Job, None) => format!("of the job of {}", result.machines[0].file),
         },
         result.poses

@@ -1,7 +1,8 @@
 //! `abbe map`: the error over a volume.
 
 use crate::cli::arguments::{
-    FrameOption, JobArg, PlaceArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help,
+    AxisPosesArg, FrameOption, JobArg, PlaceArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts,
+    help,
 };
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
@@ -23,6 +24,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy", "tool_poses"])))]
+#[command(mut_arg("axis_poses", |option| {
+    option.conflicts_with_all(["random", "low_discrepancy", "tool_poses", "job", "place"])
+}))]
 #[command(mut_arg("place", |option| {
     let files = ["csv", "json", "parquet", "vtk", "plane", "at", "drawing"];
     option.conflicts_with_all(["random", "low_discrepancy", "target"]).conflicts_with_all(files)
@@ -40,6 +44,8 @@ pub(crate) struct Args {
     low_discrepancy: Option<usize>,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    axis_poses: AxisPosesArg,
     #[command(flatten)]
     job: JobArg,
     #[command(flatten)]
@@ -78,6 +84,7 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> MapOptions {
         let job = self.job.job.as_ref();
+        let axis_poses = self.axis_poses.axis_poses.clone().map(MapPoses::AxisPoses);
         let poses = match (self.tool_poses.tool_poses.as_ref().or(job), self.random, self.low_discrepancy) {
             (Some(path), ..) if job.is_some() => MapPoses::Job(path.clone()),
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
@@ -86,7 +93,7 @@ impl Args {
             _ => MapPoses::Grid,
         };
         MapOptions {
-            poses,
+            poses: axis_poses.unwrap_or(poses),
             seed: self.seed.seed,
             order: self.view.order.order,
             degree: self.degree,

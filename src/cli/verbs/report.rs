@@ -1,6 +1,6 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
-use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, help};
+use crate::cli::arguments::{AxisPosesArg, DirectionArg, OrderArg, SamplesArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::folded;
@@ -15,6 +15,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("axis_poses", |option| option.conflicts_with_all(["tool_poses", "job"])))]
 pub(crate) struct Args {
     /// The machine file; with several, they are compared on the tool poses of the first.
     #[arg(required = true, num_args = 1..=8)]
@@ -41,6 +42,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     samples: SamplesArg,
     #[command(flatten)]
+    axis_poses: AxisPosesArg,
+    #[command(flatten)]
     options: SetArgs,
 }
 
@@ -51,6 +54,7 @@ impl Args {
             compensation: self.options.how.options(),
             poses: self.options.poses.poses,
             tool_poses: self.options.tool_poses.tool_poses.clone(),
+            axis_poses: self.axis_poses.axis_poses.clone(),
             job: self.options.job.job.clone(),
             path: self.options.job.path,
             reference: self.options.reference.reference.clone(),

@@ -1,5 +1,5 @@
 //! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
-//! direction of the tool axis, or with positions of the rotary axes.
+//! direction of the tool axis, or with positions of the rotary axes; or poses of the machine's axes.
 //!
 //! `columns` reads CSV, `apt` APT CL data. Rows that a machine cannot reach are left out, counted, and told with what
 //! they lack (`missed`).
@@ -10,7 +10,7 @@ mod missed;
 
 use super::path::{DeviationStep, LargestStep, PathResult};
 use super::placement::Placement;
-use super::poses::{check, other_units};
+use super::poses::{PoseRow, check, other_units, rows_of_file};
 use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{
     Miss, Needs, PathEvents, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
@@ -40,6 +40,8 @@ enum Aim {
     Axis(Vector3<f64>),
     /// The machine's rotary axes as given (deg), all others at 0.
     Rotary(Pose),
+    /// The positions of all axes of the machine that read the file, with the unit vector that they give.
+    Axes { pose: Pose, direction: Vector3<f64> },
 }
 
 #[derive(Debug, Clone)]
@@ -70,14 +72,28 @@ impl Row {
     fn rotary(&self) -> Option<(&Vector3<f64>, &Pose)> {
         match &self.aim {
             Aim::Rotary(pose) => Some((&self.tip, pose)),
-            Aim::Axis(_) => None,
+            Aim::Axis(_) | Aim::Axes { .. } => None,
+        }
+    }
+
+    /// Returns the row of a pose of the axes of a machine.
+    fn of_axes(machine: &Machine, PoseRow { place, line, pose }: PoseRow) -> Self {
+        let ToolPose { tip, direction, spin_rad } = tool_pose(machine, &pose);
+        Self { place, line, tip, aim: Aim::Axes { pose, direction }, spin_rad, feature: None, normal: None }
+    }
+
+    /// Returns the positions of all axes, if the row gives these.
+    fn axes(&self) -> Option<&Pose> {
+        match &self.aim {
+            Aim::Axes { pose, .. } => Some(pose),
+            Aim::Axis(_) | Aim::Rotary(_) => None,
         }
     }
 
     /// Returns the tool pose, as the nominal `machine` holds it if the row gives positions of its rotary axes.
     fn tool_pose(&self, machine: &Machine) -> ToolPose {
         let direction = match &self.aim {
-            Aim::Axis(direction) => *direction,
+            Aim::Axis(direction) | Aim::Axes { direction, .. } => *direction,
             Aim::Rotary(pose) => tool_pose(machine, pose).direction,
         };
         ToolPose { spin_rad: self.spin_rad, ..ToolPose::new(self.tip, direction) }
@@ -99,6 +115,9 @@ pub(crate) struct ToolPoses {
 pub struct ReachedToolPoses {
     /// Name of the file.
     pub file: String,
+    /// True if the file has poses of the axes.
+    #[serde(skip)]
+    pub of_axes: bool,
     /// Number of tool poses in the file.
     pub asked: usize,
     /// Number of tool poses that the machine reaches.
@@ -171,6 +190,12 @@ pub(crate) fn read_named(
     }
 }
 
+/// Reads a file of poses of the axes of `machine` as single tool poses.
+pub(crate) fn read_axes(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
+    let rows = rows_of_file(call, machine, path)?.into_iter().map(|row| Row::of_axes(machine, row)).collect();
+    Ok(ToolPoses { file: path.display().to_string(), rows, is_cl: false, is_path: false })
+}
+
 /// Asks about tips of a part that all lie within a millimetre or two of its origin.
 fn metres(machine: &Machine, rows: &[Row], header: &[String]) -> Option<Diagnostic> {
     let is_bare = ["X", "Y", "Z"].iter().all(|name| header.iter().any(|cell| cell.eq_ignore_ascii_case(name)));
@@ -211,7 +236,7 @@ const OBLIQUE: f64 = 0.2;
 fn reversed(rows: &[Row]) -> Option<Diagnostic> {
     let axis = |row: &Row| match row.aim {
         Aim::Axis(axis) => Some(axis),
-        Aim::Rotary(_) => None,
+        Aim::Rotary(_) | Aim::Axes { .. } => None,
     };
     let has_normals = rows.iter().any(|row| row.normal.is_some());
     let up = |row: &Row| if has_normals { row.normal } else { Some(Vector3::z()) };
@@ -266,9 +291,22 @@ impl ToolPoses {
     }
 
     /// Returns the tool poses as a work, as the nominal `machine` holds them if the file gives positions of its rotary
-    /// axes.
+    /// axes; of poses of its axes, these.
     pub(crate) fn work(&self, machine: &Machine) -> Work {
+        if let Some(poses) = self.axes() {
+            return Work::OfAxes { poses: poses.into_iter().cloned().collect(), is_path: self.is_path };
+        }
         Work::listed(self.list(machine), self.is_path)
+    }
+
+    /// Returns the poses of the axes, if the file has these.
+    fn axes(&self) -> Option<Vec<&Pose>> {
+        self.rows.iter().map(Row::axes).collect()
+    }
+
+    /// True if the file has poses of the axes.
+    pub(crate) fn are_axes(&self) -> bool {
+        self.rows.iter().all(|row| row.axes().is_some())
     }
 
     /// Returns the line of each row.
@@ -280,7 +318,7 @@ impl ToolPoses {
     pub(crate) fn put(&mut self, place: &Placement) {
         for row in &mut self.rows {
             row.tip = place.point(row.tip);
-            if let Aim::Axis(axis) = &mut row.aim {
+            if let Aim::Axis(axis) | Aim::Axes { direction: axis, .. } = &mut row.aim {
                 *axis = place.direction(*axis);
             }
             row.normal = row.normal.map(|normal| place.direction(normal));
@@ -303,6 +341,9 @@ impl ToolPoses {
     }
 
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
+        if let Some(poses) = self.axes() {
+            return poses.into_iter().cloned().map(Ok).collect();
+        }
         // The header decides: all rows give positions of rotary axes, or none does.
         let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
             return solve(machine, &self.list(machine), self.is_path);
@@ -336,7 +377,8 @@ impl ToolPoses {
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         let unreachable = UnreachableCount::count(missed.iter().map(|(_, miss)| miss));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
-        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
+        let of_axes = self.are_axes();
+        ReachedToolPoses { file, of_axes, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
     }
 
     /// Returns the events of the rows on a machine that takes them by these poses, if they are one path.

@@ -250,6 +250,8 @@ export interface BudgetResult {
   contributions_on_average: BoundedContribution[];
   /** The bounded errors; first the one whose tightening lowers the 95 % value most. */
   tighten: Tightening[];
+  /** `values` where no error is bounded: then each is between ± the largest value that it has at the poses of the axes. */
+  from?: string | null;
   /** Which of the errors that act are known. */
   coverage: Coverage;
   /** Name of the machine. */
@@ -1351,7 +1353,7 @@ export interface OtherSide {
 
 /** What a result is over. */
 export interface Over {
-  /** A volume or a job. */
+  /** A volume, a job, or poses of the axes. */
   kind: OverKind;
   /** Motion that the part's set-up takes out. */
   reference: ReferenceKind;
@@ -1368,7 +1370,7 @@ export interface Over {
 }
 
 /** What poses are of. */
-export type OverKind = "volume" | "job";
+export type OverKind = "volume" | "job" | "axis_poses";
 
 /** The difference of two 95 % values with its interval; `None` where there are too few samples for an end. */
 export interface PairedDifference {

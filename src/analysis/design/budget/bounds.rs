@@ -4,8 +4,8 @@
 
 use crate::analysis::closed_form::{Displacement, minimal_set};
 use crate::machine::{
-    Axis, AxisKind, AxisName, Class, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames, JointErrors, JointFrame,
-    Machine,
+    Approach, Axis, AxisKind, AxisName, Class, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames, JointErrors,
+    JointFrame, Machine, Pose,
 };
 use nalgebra::Vector3;
 use std::fmt;
@@ -272,6 +272,21 @@ pub fn on_other_sides(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
 /// Returns the number of errors of a machine that have a value; a budget leaves them out.
 pub fn known(machine: &Machine) -> usize {
     machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).count()
+}
+
+/// Returns a bound for each error of a machine with a value: the largest that it has at poses (mm, deg), from either
+/// side. Errors without a value there are left out.
+pub fn bounds_by_values(machine: &Machine, poses: &[Pose]) -> Vec<Bound> {
+    let sides = [Approach::Forward, Approach::Reverse];
+    let bound = |(error, term): (ErrorId, &ErrorTerm)| {
+        let axis = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
+        let at = |(pose, side): (&Pose, Approach)| term.value(&side.at_pose(pose).argument(axis)).abs();
+        let all = poses.iter().flat_map(|pose| sides.map(|side| (pose, side)));
+        let (tolerance, role) = (all.map(at).fold(0.0, f64::max), Role::Letter);
+        let direction = std::array::from_fn(|k| f64::from(u8::from(k == error.direction.index() % 3)));
+        Bound { error, direction, tolerance, of_class: false, by_letter: false, role, is_rest: false }
+    };
+    machine.errors().map(bound).filter(|bound| bound.tolerance > 0.0).collect()
 }
 
 /// True if any error of a machine has a value, or its set-up.

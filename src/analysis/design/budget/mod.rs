@@ -19,7 +19,8 @@
 //! 10. [`draw_largest_steps()`]: the largest step of the deviation between poses of a path, in drawn machines.
 //! 11. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //! 12. [`StayingErrors`]: errors with values that no bound stands for; they act in every machine drawn.
-//! 13. [`drawn_machine()`]: a drawn machine as one with values.
+//! 13. [`bounds_by_values()`]: largest values at poses, in place of bounds where there are none.
+//! 14. [`drawn_machine()`]: a drawn machine as one with values.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -46,7 +47,7 @@ mod zone_draws;
 
 pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
-pub use bounds::{Bound, Role, adding, bounds, is_measured, known, lacks_rotary};
+pub use bounds::{Bound, Role, adding, bounds, bounds_by_values, is_measured, known, lacks_rotary};
 pub use cost::{CostModel, Price};
 pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(crate) use draw::Normals;
