@@ -42,6 +42,7 @@ VERBS = {
     "identify": Verb("IdentifyResult", "Fits errors to measurements."),
     "fit_monomials": Verb("MonomialResult", "Fits monomials of order 2, component by component, as the papers do."),
     "plan": Verb("PlanResult", "Returns poses worth measuring, and the uncertainty that the parameters will have."),
+    "predict": Verb("PredictResult", "Compares readings with the prediction of the machine, without a fit."),
     "locate": Verb(
         "LocateResult",
         "Returns the location errors that a control's own calibration found, beside those of the machine file.",
@@ -116,7 +117,7 @@ IF_DETERMINED = ("value", "smallest", "largest")
 NUMBERS_AS_TEXT = {"Order": "Union[int, Literal['exact', '1', '2', '3', '4', '5', '6']]"}
 
 #: Options that the package sets itself.
-OWN = {"identify": {"texts"}, "fit_monomials": {"texts"}}
+OWN = {"identify": {"texts"}, "fit_monomials": {"texts"}, "predict": {"texts"}}
 
 HEAD = '''"""The verbs as methods. python/generate.py writes this file from the options of the façade."""
 
@@ -373,6 +374,7 @@ FIELD_MODULES = {
         "identify",
         "fit_monomials",
         "plan",
+        "predict",
         "locate",
         "import_readings",
         "import_touches",

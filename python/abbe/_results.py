@@ -396,6 +396,15 @@ class PlanResult(_fields.PlanFields, Result):
         return self._texts["plan.csv"]
 
 
+class PredictResult(_fields.PredictFields, Result):
+    """Readings against the prediction of a machine. The table has a row for each reading."""
+
+    __slots__ = ()
+    _table = "readings"
+    _ranking = "kinds"
+    _shown = ("kind", "places", "measured", "predicted", "left", "unit")
+
+
 class ImportResult(_fields.ImportFields, Result):
     """A measurement as an instrument exports it. The table has a row for each error."""
 

@@ -29,6 +29,7 @@ from ._results import (
     MonomialResult,
     PlacementResult,
     PlanResult,
+    PredictResult,
     ReachResult,
     RecordResult,
     ReportResult,
@@ -302,7 +303,7 @@ IdentifyOptions = TypedDict(
 )
 
 #: The instrument for which readings are planned.
-PlanInstrument = Literal["points", "r_test", "tracker", "laser", "touch"]
+PlanInstrument = Literal["points", "lines", "r_test", "tracker", "laser", "touch"]
 
 #: The stylus and the body of the probe that holds it, mm.
 #: ``radius``: Radius of its ball, whose middle is the functional point.
@@ -1121,6 +1122,7 @@ class Verbs:
         priors: Sequence[Text] | None = None,
         noise_mm: float = 0.001,
         seed: int = 1,
+        until_mm: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> PlanResult:
@@ -1145,6 +1147,8 @@ class Verbs:
         * ``priors``: Values known before the data, as in ``IdentifyOptions``.
         * ``noise_mm``: Standard deviation of a reading, mm; above 0.
         * ``seed``: Seed of the readings to choose from.
+        * ``until_mm``: Largest standard uncertainty of the deviation predicted over the volume, mm: the plan has as few
+          of the readings as reach it.
         """
         options: dict[str, Any] = {
             "poses": poses,
@@ -1161,9 +1165,47 @@ class Verbs:
             "priors": priors,
             "noise_mm": noise_mm,
             "seed": seed,
+            "until_mm": until_mm,
         }
         found = call("plan", [self._native], options, threads=threads, progress=progress)
         return PlanResult(found)
+
+    def predict(
+        self,
+        data: Iterable[Table] | Table | None = None,
+        *,
+        frame: Frame = "workpiece",
+        axis_poses: Table | None = None,
+        type_b: Sequence[Text] | None = None,
+        noise_mm: float | None = None,
+        seed: int = 1,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> PredictResult:
+        """Compares readings with the prediction of the machine, without a fit.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``data``: Files of measurements, as ``identify`` takes them; several files are several set-ups.
+        * ``frame``: Frame in which the deviations were measured.
+        * ``axis_poses``: The poses of points that a laser tracker's export has by name.
+        * ``type_b``: Standard uncertainties that all readings share, in words; one that the machine file names too
+          counts once.
+        * ``noise_mm``: Standard deviation (mm) of readings that do not state theirs; by default that of repeated
+          readings.
+        * ``seed``: Seed of the draws behind the share that chance explains.
+        """
+        paths, texts = files_and_texts(data)
+        options: dict[str, Any] = {
+            "data": paths,
+            "frame": frame,
+            "axis_poses": axis_poses,
+            "type_b": type_b,
+            "noise_mm": noise_mm,
+            "seed": seed,
+        }
+        found = call("predict", [self._native], options, texts=texts, threads=threads, progress=progress)
+        return PredictResult(found)
 
     def locate(
         self,

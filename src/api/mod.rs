@@ -84,7 +84,7 @@ pub use equations::{EquationsOptions, equations};
 pub use eval::{EvalOptions, eval};
 pub use explain::explain;
 pub use figures::{FiguresOptions, figures};
-pub use identify::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
+pub use identify::{IdentifyOptions, PlanOptions, PredictOptions, fit_monomials, identify, plan_measurements, predict};
 pub use import::{ImportOptions, import};
 pub use instrument::{InstrumentOptions, instrument};
 pub use locate::{LocateOptions, locate};

@@ -33,10 +33,11 @@ pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
-    BentError, ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual,
-    KnownValue, LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
-    OutlierPlace, PlannedPose, PredictedUncertainty, ReadingResidual, RepeatedReadings, ResidualGroup, ResidualTest,
-    Rms, RmsBeforeAfter, ScatterOfKind, SharedUncertainty, SuspectReadings,
+    BentError, ExpectedParameter, ExpectedPrediction, FittedDatum, FittedError, FittedParameter, FormOfAxis,
+    IdentifyResult, KindResidual, KnownValue, LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent,
+    MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlanGoal, PlannedPose, PredictedUncertainty, ReadingResidual,
+    RepeatedReadings, ResidualGroup, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
+    SuspectReadings,
 };
 pub use super::instrument::{InstrumentResult, LaserReadings, Readings, ReadingsOfBounds};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
@@ -72,8 +73,8 @@ pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::file_set::restore::Restored;
 pub use crate::identify::second::{
-    JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
-    SetUpValue,
+    JudgedReading, MeasuredKind, ModelAlternative, ModelVerdict, PredictedKind, PredictedReadings, RmsInterval,
+    SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative, SetUpValue,
 };
 pub use crate::identify::{BallCentre, OutlierTouch, ProbeLobing, TouchImport};
 pub use crate::job::characteristics::{CharacteristicPart, CharacteristicResult, DrawnCharacteristic};

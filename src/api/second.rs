@@ -37,7 +37,7 @@ impl SecondOptions {
         }
         let context = ReadingContext { frame: self.frame, axis_poses: self.axis_poses.clone(), is_plan: false };
         let (paths, type_b) = (&self.data[..], &self.type_b[..]);
-        let inputs = SecondInputs { paths, context, type_b, noise_mm: self.noise_mm, seed };
+        let inputs = SecondInputs { paths, texts: &[], context, type_b, noise_mm: self.noise_mm, seed };
         second_measurement(call, file, &inputs, added).map(|second| Some(Box::new(second)))
     }
 }

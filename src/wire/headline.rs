@@ -5,8 +5,8 @@ use crate::analysis::budget::Statistic;
 use crate::api::results::{
     BudgetResult, CertificateBands, CertificateReport, CompareResult, ComparedMachine, EnumerateResult,
     EquationsResult, EvalResult, IdentifyResult, MachineDifference, MachineVerdict, MapResult, MeasurementPlan, Over,
-    OverKind, PercentileInterval, ROUNDING_UM, RankedArrangements, ReachResult, SetDifference, Summary,
-    TargetComparison, Verdict,
+    OverKind, PercentileInterval, PredictedReadings, ROUNDING_UM, RankedArrangements, ReachResult, SetDifference,
+    Summary, TargetComparison, Verdict,
 };
 use crate::job::limit::LimitVerdict;
 use crate::units::{counted, ends, fold, significant, with_interval, within};
@@ -118,7 +118,17 @@ pub fn identify(of: &IdentifyResult) -> String {
 /// Returns that of a plan of measurements.
 pub fn plan(of: &MeasurementPlan) -> String {
     let unknowns = counted(of.unknowns, "unknown");
-    format!("{} of {unknowns} determined by {}.\n", of.well_determined, counted(of.readings, "reading"))
+    let readings = counted(of.readings, "reading");
+    let goal = of.goal.map_or_else(String::new, |goal| {
+        let verb = if goal.reached { "is reached by" } else { "is NOT reached by" };
+        format!("u = {} um over the volume {verb} {readings}.\n", significant(goal.um, 4))
+    });
+    format!("{goal}{} of {unknowns} determined by {readings}.\n", of.well_determined)
+}
+
+/// Returns that of readings against a machine file.
+pub fn predict(of: &PredictedReadings) -> String {
+    fold(&format!("Readings predicted by the file, less the set-up, RMS: {}.", of.words))
 }
 
 /// Returns that of a study; nothing of a part of one.

@@ -11,19 +11,19 @@ use crate::api::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
     ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
     LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MeasuringProgram, MonomialFit,
-    PlacementResult, RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference,
-    TargetComparison, TargetSummary, TestFigures, TestPiece, TouchImport,
+    PlacementResult, PredictedReadings, RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend,
+    SetDifference, TargetComparison, TargetSummary, TestFigures, TestPiece, TouchImport,
 };
 use crate::api::starter::Starter;
 use crate::api::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompareTargetsOptions, CompileOptions, ConvertOptions,
     Diagnostic, Diagnostics, DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions,
     FiguresOptions, IdentifyOptions, ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions,
-    MeasureOptions, PlacementOptions, PlanOptions, ReachOptions, RecordOptions, Run, TestPieceOptions, TouchOptions,
-    VerifyOptions, budget, budget_part, check, check_record, classify, compare, compare_targets, compile,
+    MeasureOptions, PlacementOptions, PlanOptions, PredictOptions, ReachOptions, RecordOptions, Run, TestPieceOptions,
+    TouchOptions, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compare_targets, compile,
     compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials,
-    identify, import, import_touches, instrument, locate, map_tables, measure, place, plan_measurements, reach, record,
-    record_trend, schema, show, starter, targets, testpiece, verify,
+    identify, import, import_touches, instrument, locate, map_tables, measure, place, plan_measurements, predict,
+    reach, record, record_trend, schema, show, starter, targets, testpiece, verify,
 };
 use crate::controller::LOCK_NAME;
 use crate::report::RowFormat;
@@ -93,7 +93,7 @@ pub struct Verb {
 }
 
 /// All verbs.
-pub static VERBS: [Verb; 35] = [
+pub static VERBS: [Verb; 36] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
         Ok(headed(eval(request.machine()?, &request.options()?, run)?, headline::eval).0)
     }),
@@ -134,6 +134,10 @@ pub static VERBS: [Verb; 35] = [
     of::<PlanOptions, MeasurementPlan>("plan", &["plan.csv"], |request, run| {
         let (answer, plan) = headed(plan_measurements(request.machine()?, &request.options()?, run)?, headline::plan);
         Ok(answer.text("plan.csv", plan.csv))
+    }),
+    of::<PredictOptions, PredictedReadings>("predict", &[], |request, run| {
+        let options = PredictOptions { texts: request.texts.to_vec(), ..request.options()? };
+        Ok(headed(predict(request.machine()?, &options, run)?, headline::predict).0)
     }),
     of::<ImportOptions, ImportResult>("import_readings", &["table.csv"], |request, run| {
         let (answer, result) = answer(import(request.path(0)?, &request.options()?, run)?);

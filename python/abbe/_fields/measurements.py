@@ -377,6 +377,21 @@ class ExpectedParameter(Record):
     unit: Annotated[str, "Unit of the uncertainty."]
 
 
+class ExpectedPrediction(Record):
+    """The uncertainty of the deviation over the volume to be expected of a fit, after the best rigid motion of the workpiece frame."""
+
+    largest_um: Annotated[Union[float, None], "The largest standard uncertainty, um, along the direction in which it is largest; none if the readings leave the deviation free, or none is to spare."]
+    combination: Annotated[Union[str, None], "A combination of parameters that changes the deviation and no reading, in words."]
+    at: Annotated[Named[float], "Pose at which it is largest, mm and deg."]
+
+
+class PlanGoal(Record):
+    """A plan for an uncertainty of the deviation over the volume."""
+
+    um: Annotated[float, "The largest standard uncertainty that was asked for, um."]
+    reached: Annotated[bool, "True if the readings reach it; one fewer of them in their order do not."]
+
+
 class PlanFields(Record):
     """Readings, and what is expected of their measurement."""
 
@@ -385,6 +400,8 @@ class PlanFields(Record):
     candidates: Annotated[int, "Number of readings to choose from."]
     noise_um: Annotated[float, "Standard deviation of a reading, um."]
     parameters: Annotated[list[ExpectedParameter], "The parameters of the machine."]
+    prediction: Annotated[ExpectedPrediction, "Uncertainty of the deviation that their fit will predict over the volume."]
+    goal: Annotated[Union[PlanGoal, None], "The uncertainty that was asked for, if one was."]
     rank: Annotated[int, "Numerical rank of the problem."]
     rank_first_order: Annotated[int, "The rank of the model to first order in the errors: what the readings show without products of errors."]
     unknowns: Annotated[int, "Number of unknowns, those of the instrument among them."]
@@ -392,6 +409,66 @@ class PlanFields(Record):
     null_space: Annotated[list[str], "Combinations without effect, in words."]
     drowned: Annotated[list[str], "Combinations below the noise, in words."]
     condition: Annotated[float, "Ratio of the largest singular value to the smallest that counts."]
+
+
+class SeenCorrection(Record):
+    """The amount of a correction that the readings see: 1 as predicted, 0 none, -1 reversed."""
+
+    axis: Annotated[Union[str, None], "The axis that is corrected; none for all together."]
+    amount: Annotated[float, "The amount."]
+    expanded_uncertainty: Annotated[float, "Its expanded uncertainty (k = 2), that of the prediction and of the readings in it."]
+
+
+class PredictedKind(Record):
+    """Readings of one kind against their prediction, without what the set-up explains; root mean squares over the places, all components together."""
+
+    kind: Annotated[str, "``deviations``, ``lengths`` ..."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    places: Annotated[int, "Number of rows."]
+    within: Annotated[float, "Share of |E_n| <= 1."]
+    measured: Annotated[float, "Of the readings."]
+    predicted: Annotated[float, "Of the prediction."]
+    left: Annotated[float, "Of measured less predicted."]
+
+
+class SetUpValue(Record):
+    """A motion of the set-up, or an unknown of an instrument, by the readings."""
+
+    name: Annotated[str, "Such as ``part x``, ``turn C``, ``slope EYX``, ``station.x``."]
+    value: Annotated[float, "Distance from where it starts."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    known: Annotated[Union[float, None], "Standard uncertainty with which it was known before, in ``unit``; none if it was free."]
+
+
+class JudgedReading(Record):
+    """A reading against its prediction, both less nominal and without what the set-up explains."""
+
+    place: Annotated[str, "Name of the file, and line."]
+    component: Annotated[int, "Component of its row: 0, 1 or 2."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    predicted: Annotated[float, "Predicted."]
+    measured: Annotated[float, "Measured."]
+    predicted_u: Annotated[float, "Expanded uncertainty of the predicted one (k = 2)."]
+    measured_u: Annotated[float, "Expanded uncertainty of the measured one (k = 2), the set-up's in it."]
+    e_n: Annotated[Union[float, None], "Difference over the root of the sum of both squared; none where the reading holds nothing but the set-up."]
+
+
+class PredictFields(Record):
+    """Readings of a machine against the prediction of its file, without a fit."""
+
+    machine: Annotated[str, "Name of the machine."]
+    verdict: Annotated[Literal["within", "not-within", "cannot-tell"], "The verdict."]
+    words: Annotated[str, "The verdict in words."]
+    within: Annotated[float, "Share of |E_n| <= 1."]
+    within_expected: Annotated[float, "The share expected, k = 2."]
+    within_least: Annotated[float, "The least share that 995 of 1000 good campaigns reach: what readings share makes it small."]
+    errors_seen: Annotated[Union[SeenCorrection, None], "The amount of the errors of the file that is seen; none if they do nothing at these places."]
+    instead: Annotated[Union[Literal["nominal", "reversed", "half"], None], "A machine that the readings agree with, if not with that of the file."]
+    has_predicted_uncertainty: Annotated[bool, "True if the machine file states how sure its errors are."]
+    counted_once: Annotated[list[str], "Contributions of the errors and of the readings that count once, by name."]
+    kinds: Annotated[list[PredictedKind], "By kind of reading."]
+    set_up: Annotated[list[SetUpValue], "Set-up and instruments, by the readings."]
+    readings: Annotated[list[JudgedReading], "Every reading."]
 
 
 class LocatedError(Record):

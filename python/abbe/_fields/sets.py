@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Union
 from .._record import Named, Record
 from .deviations import Bands, Over, Summary
 from .machines import DiffFields
+from .measurements import JudgedReading, SeenCorrection, SetUpValue
 
 
 class CertifiedFigures(Record):
@@ -157,14 +158,6 @@ class CertificateBands(Record):
     not_stated: Annotated[Union[list[str], None], "Errors with a value of which the machine file states no uncertainty: they count as exact."]
 
 
-class SeenCorrection(Record):
-    """The amount of a correction that the readings see: 1 as predicted, 0 none, -1 reversed."""
-
-    axis: Annotated[Union[str, None], "The axis that is corrected; none for all together."]
-    amount: Annotated[float, "The amount."]
-    expanded_uncertainty: Annotated[float, "Its expanded uncertainty (k = 2), that of the prediction and of the readings in it."]
-
-
 class RmsInterval(Record):
     """A root of mean squares with its 95 % interval."""
 
@@ -181,28 +174,6 @@ class MeasuredKind(Record):
     within: Annotated[float, "Share of |E_n| <= 1."]
     predicted: Annotated[RmsInterval, "By the machine file and the set; its uncertainty raises the figure, too."]
     measured: Annotated[RmsInterval, "By the readings, less their scatter."]
-
-
-class SetUpValue(Record):
-    """A motion of the set-up, or an unknown of an instrument, by the readings."""
-
-    name: Annotated[str, "Such as ``part x``, ``turn C``, ``slope EYX``, ``station.x``."]
-    value: Annotated[float, "Distance from where it starts."]
-    unit: Annotated[str, "``um`` or ``urad``."]
-    known: Annotated[Union[float, None], "Standard uncertainty with which it was known before, in ``unit``; none if it was free."]
-
-
-class JudgedReading(Record):
-    """A reading against its prediction, both less nominal and without what the set-up explains."""
-
-    place: Annotated[str, "Name of the file, and line."]
-    component: Annotated[int, "Component of its row: 0, 1 or 2."]
-    unit: Annotated[str, "``um`` or ``urad``."]
-    predicted: Annotated[float, "Predicted."]
-    measured: Annotated[float, "Measured."]
-    predicted_u: Annotated[float, "Expanded uncertainty of the predicted one (k = 2)."]
-    measured_u: Annotated[float, "Expanded uncertainty of the measured one (k = 2), the set-up's in it."]
-    e_n: Annotated[Union[float, None], "Difference over the root of the sum of both squared; none where the reading holds nothing but the set-up."]
 
 
 class SecondMeasurement(Record):

@@ -2,10 +2,12 @@
 //!
 //! - `fit`: the joint fit; `monomials`: each component for itself, the way of the papers;
 //! - `plan`: poses worth measuring.
+//! - `predict`: readings against a machine file, without a fit.
 
 mod fit;
 mod monomials;
 mod plan;
+mod predict;
 
 pub use crate::identify::verdict::accused::{ResidualGroup, SuspectReadings};
 pub use crate::identify::verdict::datum::FittedError;
@@ -18,4 +20,7 @@ pub use crate::identify::verdict::result::{
 pub use crate::identify::{MonomialCoefficient, MonomialComponent, ResidualTest, Rms};
 pub use fit::{IdentifyOptions, identify};
 pub use monomials::{MonomialFit, fit_monomials};
-pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
+pub use plan::{
+    ExpectedParameter, ExpectedPrediction, MeasurementPlan, PlanGoal, PlanOptions, PlannedPose, plan_measurements,
+};
+pub use predict::{PredictOptions, predict};

@@ -8,11 +8,12 @@ use crate::identify::verdict::inputs::{FitInputs, FitRange};
 use crate::identify::verdict::passes::hold_size;
 use crate::identify::verdict::problem::Problem;
 use crate::identify::{
-    Estimate, FitModel, Measurement, Parameter, PlanInstrument, Solution, expected, plan, taken_together,
+    DeviationUncertainty, Estimate, FitModel, Measurement, Parameter, PlanInstrument, Prediction, Solution, expected,
+    plan, taken_together,
 };
 use crate::job::machine_file::MachineFile;
-use crate::job::poses::{axis_ranges, check, pose_by_names};
-use crate::machine::AxisKind;
+use crate::job::poses::{AxisPositions, axis_positions, axis_ranges, check, pose_by_names};
+use crate::machine::{AxisKind, Machine};
 use crate::run::{Call, Refused, Reply, Run};
 use crate::units::counted;
 use indexmap::IndexMap;
@@ -49,6 +50,9 @@ pub struct PlanOptions {
     pub noise_mm: f64,
     /// Seed of the readings to choose from.
     pub seed: u64,
+    /// Largest standard uncertainty of the deviation predicted over the volume, mm: the plan has as few of the readings
+    /// as reach it.
+    pub until_mm: Option<f64>,
 }
 
 /// 20 poses at any place of the volume, 1 um, seed 1.
@@ -66,6 +70,7 @@ impl Default for PlanOptions {
             priors: Vec::new(),
             noise_mm: 1e-3,
             seed: 1,
+            until_mm: None,
         }
     }
 }
@@ -83,6 +88,11 @@ pub struct MeasurementPlan {
     pub noise_um: f64,
     /// The parameters of the machine.
     pub parameters: Vec<ExpectedParameter>,
+    /// Uncertainty of the deviation that their fit will predict over the volume.
+    pub prediction: ExpectedPrediction,
+    /// The uncertainty that was asked for, if one was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal: Option<PlanGoal>,
     /// Numerical rank of the problem.
     pub rank: usize,
     /// The rank of the model to first order in the errors: what the readings show without products of errors.
@@ -121,6 +131,29 @@ pub struct PlannedPose {
     pub run: Option<String>,
 }
 
+/// The uncertainty of the deviation over the volume to be expected of a fit, after the best rigid motion of the
+/// workpiece frame.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ExpectedPrediction {
+    /// The largest standard uncertainty, um, along the direction in which it is largest; none if the readings leave the
+    /// deviation free, or none is to spare.
+    pub largest_um: Option<f64>,
+    /// A combination of parameters that changes the deviation and no reading, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub combination: Option<String>,
+    /// Pose at which it is largest, mm and deg.
+    pub at: AxisPositions,
+}
+
+/// A plan for an uncertainty of the deviation over the volume.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PlanGoal {
+    /// The largest standard uncertainty that was asked for, um.
+    pub um: f64,
+    /// True if the readings reach it; one fewer of them in their order do not.
+    pub reached: bool,
+}
+
 /// A parameter with its expected uncertainty.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ExpectedParameter {
@@ -141,6 +174,9 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");
         }
+        if options.until_mm.is_some_and(|mm| mm.is_nan() || mm <= 0.0) {
+            return call.usage("the uncertainty that a plan is to reach is above zero");
+        }
         if options.candidates.is_some() && *options != options.of_file() {
             return call
                 .usage("readings to choose from have no instrument, balls or ranges: leave them out, or the file");
@@ -160,24 +196,80 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
             let count = counted(candidates, "reading");
             return call.usage(format!("there are {count} to choose {} from, each once", options.poses));
         }
-        let mut chosen = call.stage("readings chosen", options.poses, |advance| {
+        let chosen = call.stage("readings chosen", options.poses, |advance| {
             // A ball without a set would stand in the way of a program that is not told of it.
             let each_ball = options.instrument == PlanInstrument::Touch;
             plan(&model, rows, options.poses, each_ball, options.noise_mm, advance)
         })?;
         let in_order = options.candidates.is_some() || options.instrument == PlanInstrument::Touch;
-        if in_order || rows.iter().any(|row| row.run.is_some()) {
-            chosen.sort_unstable();
-        }
-        let csv = lines(call, &chosen.iter().map(|i| &rows[*i]).collect::<Vec<_>>());
-        let readings = vec![("plan.csv".to_owned(), csv.clone())];
-        let inputs = FitInputs { paths: vec![PathBuf::from("plan.csv")], ..options.inputs(&readings) };
-        // As it will be read: without the unknowns of runs that are not chosen.
-        let problem = Problem::read(call, file, &inputs)?;
-        let model = problem.model(file, Order::Exact);
-        let expected = expected(&model, &problem.rows, options.noise_mm);
-        Ok(MeasurementPlan { readings: options.poses, candidates, csv, ..planned(&model, &problem.rows, &expected) })
+        let in_order = in_order || rows.iter().any(|row| row.run.is_some());
+        let first = |call: &Call<'_>, count: usize| {
+            let mut first: Vec<usize> = chosen.iter().take(count).flatten().copied().collect();
+            if in_order {
+                first.sort_unstable();
+            }
+            lines(call, &first.iter().map(|i| &rows[*i]).collect::<Vec<_>>())
+        };
+        let (count, goal) = match options.until_mm {
+            None => (options.poses, None),
+            Some(mm) => {
+                let (count, reached) = fewest(call, file, options, mm, first)?;
+                (count, Some(PlanGoal { um: mm * 1e3, reached }))
+            }
+        };
+        let csv = first(call, count);
+        let of = examined(call, file, options, &csv)?;
+        Ok(MeasurementPlan { readings: count, candidates, goal, csv, ..of })
     })
+}
+
+/// Returns what is expected of chosen readings, as they will be read: without the unknowns of runs that are not chosen.
+fn examined(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    options: &PlanOptions,
+    csv: &str,
+) -> Result<MeasurementPlan, Refused> {
+    let readings = vec![("plan.csv".to_owned(), csv.to_owned())];
+    let inputs = FitInputs { paths: vec![PathBuf::from("plan.csv")], ..options.inputs(&readings) };
+    let problem = Problem::read(call, file, &inputs)?;
+    let model = problem.model(file, Order::Exact);
+    Ok(planned(file, &model, &problem.rows, expected(&model, &problem.rows, options.noise_mm)))
+}
+
+/// Returns how many of the chosen readings, in their order, reach an uncertainty (mm), and true; or all of them, and
+/// false. A reading more never makes it larger, so that the number is found by bisection.
+fn fewest(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    options: &PlanOptions,
+    until_mm: f64,
+    first: impl Fn(&Call<'_>, usize) -> String,
+) -> Result<(usize, bool), Refused> {
+    let is_reached = |call: &mut Call<'_>, count: usize| {
+        call.go_on()?;
+        let csv = first(call, count);
+        // What is said of a plan that is only tried is not said.
+        let run = Run { deny_warnings: false, ..call.run };
+        let tried = Call::answer(run, file.sources(), |call| examined(call, file, options, &csv));
+        let um = tried.ok().and_then(|plan| plan.value.prediction.largest_um);
+        Ok(um.is_some_and(|um| um <= until_mm * 1e3))
+    };
+    if !is_reached(call, options.poses)? {
+        return Ok((options.poses, false));
+    }
+    // A probe touches every ball that is stated.
+    let fewest = if options.instrument == PlanInstrument::Touch { options.balls.len().max(1) } else { 1 };
+    let (mut short, mut enough) = (fewest - 1, options.poses);
+    while enough - short > 1 {
+        let middle = short + (enough - short) / 2;
+        if is_reached(call, middle)? {
+            enough = middle;
+        } else {
+            short = middle;
+        }
+    }
+    Ok((enough, true))
 }
 
 impl PlanOptions {
@@ -267,19 +359,32 @@ fn lines(call: &Call<'_>, chosen: &[&Measurement]) -> String {
     csv
 }
 
-fn planned(model: &FitModel<'_>, chosen: &[Measurement], expected: &Solution) -> MeasurementPlan {
+fn planned(
+    machine: &Machine,
+    model: &FitModel<'_>,
+    chosen: &[Measurement],
+    (expected, prediction): (Solution, Prediction),
+) -> MeasurementPlan {
     let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
         name: p.name.clone(),
         sigma: e.sigma.map(|s| p.in_unit(s)),
         unit: p.unit.clone(),
     };
     let own = &model.parameters()[..model.own()];
+    let (largest_um, combination) = match prediction.uncertainty {
+        DeviationUncertainty::Known(mm) => (Some(mm * 1e3), None),
+        DeviationUncertainty::Unknown => (None, None),
+        DeviationUncertainty::Free(words) => (None, Some(words)),
+    };
+    let at = axis_positions(machine, &prediction.pose);
     MeasurementPlan {
         poses: chosen.iter().map(|row| planned_pose(model, row)).collect(),
         readings: 0,
         candidates: 0,
         noise_um: expected.sigma * 1e3,
         parameters: own.iter().zip(&expected.estimates).map(parameter).collect(),
+        prediction: ExpectedPrediction { largest_um, combination, at },
+        goal: None,
         rank: expected.rank,
         rank_first_order: expected.rank_first_order,
         unknowns: model.parameters().len(),

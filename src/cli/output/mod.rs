@@ -12,6 +12,7 @@ pub(super) mod monomials;
 pub(super) mod pictures;
 pub(super) mod placement;
 pub(super) mod plan;
+pub(super) mod predicted;
 pub(super) mod progress;
 pub(super) mod ranking;
 pub(super) mod session;

@@ -1,19 +1,21 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, ProbeArgs, SeedArg, ToolArg, counts, help};
+use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, ProbeArgs, SeedArg, ToolArg, counts, help, length};
 use crate::cli::output::session::Session;
-use crate::cli::output::{identify_report, monomials, pictures, plan};
+use crate::cli::output::{identify_report, monomials, pictures, plan, predicted};
 use crate::cli::store::write;
 use abbe::options::{FitAcceptance, FitRange, Order, PlanInstrument, ProbeSizes};
-use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
+use abbe::text::Reason;
+use abbe::{IdentifyOptions, PlanOptions, PredictOptions, fit_monomials, identify, plan_measurements, predict};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan", help = help::DATA)]
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["plan", "predict"],
+        help = help::DATA)]
     data: Vec<PathBuf>,
     #[arg(long, value_name = "FILE", help = help::AXIS_POSES, conflicts_with = "plan",
         long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
@@ -51,6 +53,10 @@ pub(crate) struct Args {
     /// Method: all components at once on the model itself, or as in the papers, each for itself on the monomials.
     #[arg(long, value_enum, default_value = "joint")]
     method: Method,
+    /// Say how well the machine file predicts these readings: nothing is fitted but the set-up.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = [
+        "data", "plan", "out", "fit", "fixed", "prior", "folds", "robust", "range", "order", "method", "pictures"])]
+    predict: Vec<PathBuf>,
     /// Draw prediction and data over the planes of the linear axes, as SVG files in this folder.
     #[arg(long, value_name = "DIR", alias = "svg")]
     pictures: Option<PathBuf>,
@@ -65,8 +71,12 @@ pub(crate) struct Args {
     /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "folds", "robust"], value_parser = counts(1..=1000))]
     plan: Option<usize>,
-    /// The instrument of a plan: three components at any pose, balls on the table, a tracker, a laser along lines, or a
-    /// touch probe at balls.
+    /// Plan only as many of the readings as predict the volume with this largest standard uncertainty (above 0), such
+    /// as `1 um` [default: all of them].
+    #[arg(long, value_name = "LENGTH", requires = "plan", value_parser = until)]
+    until: Option<f64>,
+    /// The instrument of a plan: three components anywhere or along lines of axes, balls on the table, a tracker, a
+    /// laser along lines, or a touch probe at balls.
     #[arg(long, value_enum, default_value = "points", requires = "plan", conflicts_with = "data")]
     instrument: PlanInstrument,
     /// R-test or touch probe of a plan: a pose at which the functional point is at a ball on the table, other axes in
@@ -130,6 +140,18 @@ impl Args {
         }
     }
 
+    fn predict_options(&self) -> PredictOptions {
+        PredictOptions {
+            data: self.predict.clone(),
+            frame: self.frame.frame,
+            axis_poses: self.axis_poses.clone(),
+            type_b: self.type_b.clone(),
+            noise_mm: self.noise.noise,
+            seed: self.seed.seed,
+            ..PredictOptions::default()
+        }
+    }
+
     fn plan_options(&self, poses: usize) -> PlanOptions {
         PlanOptions {
             poses,
@@ -143,8 +165,14 @@ impl Args {
             priors: self.prior.clone(),
             noise_mm: self.noise.noise.unwrap_or(1e-3),
             seed: self.seed.seed,
+            until_mm: self.until,
         }
     }
+}
+
+/// A length above zero and up to 1 m.
+fn until(text: &str) -> Result<f64, Reason> {
+    length(text, |mm| mm > 0.0 && mm <= 1000.0, "write a length above zero and up to 1 m, such as `1 um`")
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -158,6 +186,10 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         }
         let plan = session.take(plan_measurements(&file, &args.plan_options(poses), session.run()))?;
         return session.show(&plan, || plan.csv.clone(), || plan::text(&plan));
+    }
+    if !args.predict.is_empty() {
+        let result = session.take(predict(&file, &args.predict_options(), session.run()))?;
+        return session.show(&result, || predicted::csv(&result), || predicted::text(&result));
     }
     if args.probe.sizes() != ProbeSizes::default() {
         return session.usage("sizes of balls and probe are of a plan: `--plan N --instrument touch`");

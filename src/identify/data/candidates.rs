@@ -10,6 +10,7 @@ use crate::identify::thresholds::{PLAN_CANDIDATES, PLAN_LINE_POINTS, PLAN_LINES,
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// The instrument for which readings are planned.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -19,6 +20,8 @@ pub enum PlanInstrument {
     /// Anything that reads three components of the deviation at any pose.
     #[default]
     Points,
+    /// The same at points along lines of the linear axes, others at an end or in the middle, rotary axes at rest.
+    Lines,
     /// A nest of sensors, or a probe, at balls on the table while rotary axes turn and linear axes follow.
     RTest,
     /// A laser tracker or a camera, which stands anywhere.
@@ -44,6 +47,7 @@ impl PlanInstrument {
         let table = CandidateTable::new(machine);
         Ok(match self {
             Self::Points => table.of_points("dx [um],dy [um],dz [um]", seed),
+            Self::Lines => table.of_axis_lines(),
             Self::Tracker => table.of_points("tracker.x [mm],tracker.y [mm],tracker.z [mm]", seed),
             Self::RTest => table.at_balls(balls, seed)?,
             Self::Laser => table.of_lines(seed),
@@ -78,13 +82,62 @@ impl<'a> CandidateTable<'a> {
 
     /// Three readings at random poses with each tool.
     fn of_points(&self, readings: &str, seed: u64) -> String {
+        self.of_poses(readings, 2, |tool, machine| {
+            random_poses(machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64))
+        })
+    }
+
+    /// Three readings at poses with each tool, rounded to decimals; none twice.
+    fn of_poses(&self, readings: &str, decimals: i32, of: impl Fn(usize, &Machine) -> Vec<Pose>) -> String {
         let mut text = format!("{},{readings}\n", self.titles);
-        for (tool, of) in self.machine.tools().iter().enumerate() {
-            let Some(machine) = self.machine.with_tool(&of.name) else { continue };
-            let poses = random_poses(&machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64));
-            poses.iter().for_each(|pose| text += &format!("{},,,\n", self.row(&machine, pose, 2)));
+        let mut met = BTreeSet::new();
+        for (tool, named) in self.machine.tools().iter().enumerate() {
+            let Some(machine) = self.machine.with_tool(&named.name) else { continue };
+            for pose in of(tool, &machine) {
+                let row = self.row(&machine, &pose, decimals);
+                if !met.contains(&row) {
+                    text += &format!("{row},,,\n");
+                    let _ = met.insert(row);
+                }
+            }
         }
         text
+    }
+
+    /// Returns the linear axes that move within the volume.
+    fn linear(&self) -> Vec<usize> {
+        let volume = self.machine.volume();
+        let moves = |i: &usize| self.machine.axes()[*i].kind == AxisKind::Linear && volume[*i].max > volume[*i].min;
+        (0..volume.len()).filter(moves).collect()
+    }
+
+    /// Points along each linear axis, the others at an end or in the middle: each by itself, of more than three all
+    /// alike.
+    fn of_axis_lines(&self) -> String {
+        let (linear, rest, volume) = (self.linear(), within(self.machine, 0.5), self.machine.volume());
+        let at = |axis: usize, share: f64| volume[axis].min + share * (volume[axis].max - volume[axis].min);
+        let places = |others: &[usize]| -> Vec<Pose> {
+            let each = |k: usize, i: usize| if linear.len() > 3 { k } else { k / 3_usize.pow(i as u32) % 3 };
+            let count = if linear.len() > 3 { 3 } else { 3_usize.pow(others.len() as u32) };
+            let place = |k: usize| {
+                let mut pose = rest.clone();
+                others.iter().enumerate().for_each(|(i, axis)| pose[*axis] = at(*axis, each(k, i) as f64 / 2.0));
+                pose
+            };
+            (0..count).map(place).collect()
+        };
+        let mut poses = Vec::new();
+        for axis in &linear {
+            let others: Vec<usize> = linear.iter().copied().filter(|other| other != axis).collect();
+            for from in places(&others) {
+                for step in 0..PLAN_LINE_POINTS {
+                    let mut pose = from.clone();
+                    pose[*axis] = at(*axis, step as f64 / (PLAN_LINE_POINTS - 1) as f64);
+                    poses.push(pose);
+                }
+            }
+        }
+        self.of_poses("dx [um],dy [um],dz [um]", 4, |_, _| poses.clone())
     }
 
     /// Balls on the table, each a run that begins where the ball is given.
@@ -156,9 +209,7 @@ impl<'a> CandidateTable<'a> {
     /// Lines along each linear axis at random places of the others, and along the diagonals.
     fn of_lines(&self, seed: u64) -> String {
         let (machine, rest) = (self.machine, within(self.machine, 0.5));
-        let volume = machine.volume();
-        let moves = |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && volume[*i].max > volume[*i].min;
-        let linear: Vec<usize> = (0..rest.len()).filter(moves).collect();
+        let (volume, linear) = (machine.volume(), self.linear());
         let mut lines: Vec<(String, Pose, Pose)> = Vec::new();
         for (k, axis) in linear.iter().enumerate() {
             let places = random_poses(machine, PLAN_LINES, seed.wrapping_add(k as u64));

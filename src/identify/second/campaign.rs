@@ -46,7 +46,8 @@ pub(super) struct Campaign<'a> {
     /// The machine with each of its tools.
     machines: Vec<Machine>,
     pub rows: &'a [Measurement],
-    added: Additions<'a>,
+    /// What the set adds; `None` where there is no set, and the model itself is judged.
+    added: Option<Additions<'a>>,
     /// Row and component of every number that was read.
     pub numbers: Vec<(usize, usize)>,
     /// Mean nominal point: the set-up turns about it.
@@ -54,7 +55,7 @@ pub(super) struct Campaign<'a> {
 }
 
 impl<'a> Campaign<'a> {
-    pub fn new(machine: &Machine, data: &'a MeasurementSet, added: Additions<'a>) -> Self {
+    pub fn new(machine: &Machine, data: &'a MeasurementSet, added: Option<Additions<'a>>) -> Self {
         let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
         let machines: Vec<Machine> = machine.tools().iter().map(|tool| with(&tool.name)).collect();
         let rows = &data.rows[..];
@@ -82,7 +83,8 @@ impl<'a> Campaign<'a> {
         if matches!(driven, Driven::Nominal | Driven::Bare) {
             return pose.to_vec();
         }
-        let added = (self.added)(self.machine(m), &m.approach.at_pose(pose));
+        let Some(added) = self.added else { return pose.to_vec() };
+        let added = added(self.machine(m), &m.approach.at_pose(pose));
         let acts = |axis: usize| !matches!(driven, Driven::WithAxis(only) if only != axis);
         pose.iter().zip(added).enumerate().map(|(axis, (q, by))| if acts(axis) { q + by } else { *q }).collect()
     }
@@ -165,10 +167,13 @@ impl<'a> Campaign<'a> {
         let [nominal, bare, with_set] =
             [Driven::Nominal, Driven::Bare, Driven::WithSet].map(|driven| self.readings(&at, driven));
         let by_axis = |axis: usize| (axis, self.readings(&at, Driven::WithAxis(axis)) - &bare);
-        let by_axis = (0..machine.axes().len()).map(by_axis).filter(|(_, effect)| effect.amax() > 0.0).collect();
+        let axes = if self.added.is_some() { 0..machine.axes().len() } else { 0..0 };
+        let by_axis = axes.map(by_axis).filter(|(_, effect)| effect.amax() > 0.0).collect();
+        // Without a set the errors themselves are what the readings may see or not.
+        let set = &with_set - if self.added.is_some() { &bare } else { &nominal };
         Reduced::new(Readings {
             measured: measured - &nominal,
-            set: &with_set - &bare,
+            set,
             predicted: with_set - nominal,
             by_axis,
             parts: self.parts(machine, &at),

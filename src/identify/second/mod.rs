@@ -1,16 +1,19 @@
-//! The second measurement: readings of the machine with its set in force, against what the certificate promises there.
+//! The second measurement: readings of the machine with its set in force, against what the certificate promises there;
+//! and readings of the machine as it is, against its file.
 //!
 //! 1. `campaign`: the readings that the machine with its set should give, and what moves them: the set, the parts of
 //!    the uncertainty of the errors, the set-up and the instruments of the second campaign, its type B.
 //! 2. `judge`: measured less predicted without what the set-up explains, with the uncertainty of both by the same
 //!    projection; E_n, the amount of the correction that is seen, the verdict.
-//! 3. `result`: the verdict as a value and in words.
+//! 3. `result`: the verdict as a value and in words; `model`: that on a machine file without a set.
 
 mod campaign;
 mod judge;
+mod model;
 mod result;
 
 pub(crate) use campaign::Additions;
+pub use model::{ModelAlternative, ModelVerdict, PredictedKind, PredictedReadings};
 pub use result::{
     JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
     SetUpValue,
@@ -31,6 +34,8 @@ use std::path::PathBuf;
 pub(crate) struct SecondInputs<'a> {
     /// Files of measurements.
     pub paths: &'a [PathBuf],
+    /// Texts by the names of such files.
+    pub texts: &'a [(String, String)],
     pub context: ReadingContext,
     /// Standard uncertainties that all readings share, in words; one that the machine file names too counts once.
     pub type_b: &'a [String],
@@ -49,25 +54,51 @@ pub(crate) fn second_measurement(
     inputs: &SecondInputs<'_>,
     added: Additions<'_>,
 ) -> Result<SecondMeasurement, Refused> {
-    let (mut data, _) = measurements(call, file, inputs.paths, &[], &inputs.context)?;
-    let count: usize = data.rows.iter().map(Measurement::readings).sum();
-    if count > MAX_SECOND_READINGS {
-        return call.usage(format!("a second measurement takes {MAX_SECOND_READINGS} readings at most, not {count}"));
-    }
-    let (own, once) = uncertainties(call, file, inputs.type_b)?;
-    if let Err(kind) = state_noise(&mut data, inputs.noise_mm) {
-        return call.usage(format!(
-            "nothing says how sure the readings of the second measurement are ({}): give a column `u [um]` (of angles \
-             `u [urad]`), or `--noise`",
-            kind.word()
-        ));
-    }
-    let campaign = Campaign::new(file, &data, added);
+    let (data, own, once) = readings(call, file, inputs)?;
+    let campaign = Campaign::new(file, &data, Some(added));
     let reduced = campaign.reduce(file, &data, &own);
     let judged = judge::judge(&reduced, inputs.seed);
     let result = result::of(&campaign, &reduced, &judged, once, &call.diagnostics.sources);
     call.go_on()?;
     Ok(result)
+}
+
+/// Judges a machine file by readings of the machine as it is; nothing but the set-up is fitted.
+///
+/// Fails if the readings cannot be read, and if nothing says how sure they are.
+pub(crate) fn predicted_readings(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &SecondInputs<'_>,
+) -> Result<PredictedReadings, Refused> {
+    let (data, own, once) = readings(call, file, inputs)?;
+    let campaign = Campaign::new(file, &data, None);
+    let reduced = campaign.reduce(file, &data, &own);
+    let judged = judge::judge(&reduced, inputs.seed);
+    let result = model::of(file, &campaign, &reduced, &judged, once, &call.diagnostics.sources);
+    call.go_on()?;
+    Ok(result)
+}
+
+/// Reads a campaign: its readings, each with how sure it is, its own type B, and the names of what counts once.
+fn readings(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &SecondInputs<'_>,
+) -> Result<(MeasurementSet, Vec<TypeB>, Vec<String>), Refused> {
+    let (mut data, _) = measurements(call, file, inputs.paths, inputs.texts, &inputs.context)?;
+    let count: usize = data.rows.iter().map(Measurement::readings).sum();
+    if count > MAX_SECOND_READINGS {
+        return call.usage(format!("a judgement takes {MAX_SECOND_READINGS} readings at most, not {count}"));
+    }
+    let (own, once) = uncertainties(call, file, inputs.type_b)?;
+    if let Err(kind) = state_noise(&mut data, inputs.noise_mm) {
+        return call.usage(format!(
+            "nothing says how sure the readings are ({}): give a column `u [um]` (of angles `u [urad]`), or `--noise`",
+            kind.word()
+        ));
+    }
+    Ok((data, own, once))
 }
 
 /// Returns the type B of the second campaign that the machine file does not have, and the names of what it has.

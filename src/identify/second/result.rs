@@ -196,13 +196,19 @@ pub(super) fn of(
     result
 }
 
-fn set_up(reduced: &Reduced, j: usize, of: &SetUpUnknown) -> SetUpValue {
+pub(super) fn set_up(reduced: &Reduced, j: usize, of: &SetUpUnknown) -> SetUpValue {
     let (unit, factor) = of.unit;
     let value = (reduced.step[j] + reduced.readings.away[j]) * factor;
     SetUpValue { name: of.name.clone(), value, unit, known: of.known.map(|known| known * factor) }
 }
 
-fn reading(campaign: &Campaign<'_>, reduced: &Reduced, judged: &Judged, i: usize, sources: &Sources) -> JudgedReading {
+pub(super) fn reading(
+    campaign: &Campaign<'_>,
+    reduced: &Reduced,
+    judged: &Judged,
+    i: usize,
+    sources: &Sources,
+) -> JudgedReading {
     let (row, component) = campaign.numbers[i];
     let m = &campaign.rows[row];
     let (unit, factor) = m.kind().unit();

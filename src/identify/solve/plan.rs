@@ -2,6 +2,7 @@
 
 use super::fit::ParameterFit;
 use super::solution::Solution;
+use super::volume::Prediction;
 use crate::identify::data::{Measurement, Reading, taken_together};
 use crate::identify::model::{FitModel, Parameter, invariances};
 use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_SHARE_OF_ALL};
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 /// first, which counts.
 /// The first of each run is among them if `each_run` is set.
 /// A component has a standard deviation of `noise` (mm), unless its row states its own.
-/// `progress` hears of each choice. Returns the indices in the order of their worth.
+/// `progress` hears of each choice. Returns the indices of each reading in the order of their worth.
 pub fn plan<F>(
     model: &FitModel<'_>,
     candidates: &[Measurement],
@@ -23,7 +24,7 @@ pub fn plan<F>(
     each_run: bool,
     noise: f64,
     progress: Advance<'_, F>,
-) -> Result<Vec<usize>, F> {
+) -> Result<Vec<Vec<usize>>, F> {
     let theta = model.start();
     let groups = taken_together(candidates);
     let rows_of = |of: &Vec<usize>| scaled_rows(model, of.iter().map(|i| &candidates[*i]), &theta, noise);
@@ -56,7 +57,7 @@ pub fn plan<F>(
             progress(1)?;
         }
     }
-    Ok(taken.into_iter().flat_map(|group| groups[group].clone()).collect())
+    Ok(taken.into_iter().map(|group| groups[group].clone()).collect())
 }
 
 /// Returns for each group the one with which its run of relative readings begins; `None` of other readings.
@@ -142,8 +143,9 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
     }
 }
 
-/// Returns uncertainties, rank and null space to be expected of readings; the values are those of the machine file.
-pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solution {
+/// Returns uncertainties, rank and null space to be expected of readings, and the prediction over the volume; values
+/// are those of the machine file.
+pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> (Solution, Prediction) {
     let theta = model.start();
     let weights: Vec<f64> = data.iter().map(|row| (noise / sigma(row, noise)) * (noise / sigma(row, noise))).collect();
     let reduced = model.triangle(data, &weights, &theta);
@@ -153,5 +155,7 @@ pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solut
     let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;
     let motions = invariances(model, data, &fit.theta).motion_parameters;
-    Solution::of(&fit, model.parameters()).with_first_order_rank(model, data, &fit, &motions)
+    let solution = Solution::of(&fit, model.parameters()).with_first_order_rank(model, data, &fit, &motions);
+    let prediction = Prediction::of(model, data, &fit, &solution, &[]);
+    (solution, prediction)
 }
