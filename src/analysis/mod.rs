@@ -41,7 +41,7 @@ pub use design::{
     enumerate, error_statistics,
 };
 pub use inverse::{
-    DirectionKind, Inverse, Miss, Needs, ToolDirections, ToolPose, TravelExcess, Unreachable, attitude, branches,
+    DirectionKind, Inverse, Miss, Needs, Pole, ToolDirections, ToolPose, TravelExcess, Unreachable, attitude, branches,
     direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose, unturned_tool_pose,
 };
 pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};

@@ -5,7 +5,7 @@ use crate::analysis::{Interactions, Inverse, ProductEffect, interactions};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::job::poses::AxisPositions;
-use crate::lower::{WeilLift, values};
+use crate::lower::{WeilLift, into_part, values};
 use crate::machine::{AxisKind, Machine, OperatingConditions, OperatingPoint, Pose};
 use crate::run::{Call, Refused};
 use nalgebra::Vector3;
@@ -27,6 +27,15 @@ pub struct ErrorEffect {
     pub rotation: [f64; 3],
     /// Product of the values of the errors at the pose, mm and rad.
     pub value: f64,
+}
+
+/// A pose at which the tool is parallel to a rotary axis: the position alone is solved for.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct InversePole {
+    /// The rotary axis that is free: it does not turn the tool axis.
+    pub free: String,
+    /// Unit vector across the tool axis, workpiece frame, into which no axis turns it.
+    pub unreachable: [f64; 3],
 }
 
 /// Bound of the terms that order 1 neglects: all interactions of second degree with one sign.
@@ -110,13 +119,24 @@ pub(crate) fn inverse(
     machine: &Machine,
     at: &OperatingPoint<'_>,
     lift: &WeilLift,
-) -> Result<AxisPositions, Refused> {
+) -> Result<(AxisPositions, Option<InversePole>), Refused> {
     let errors = values(machine, at);
     let problem = Inverse::new(machine, at.axes, &errors);
+    let pole = problem.pole();
+    // At a pole these stay where they are.
+    let still: Vec<usize> = if pole.is_some() { problem.moving_axes()[3..].to_vec() } else { Vec::new() };
+    let problem = if pole.is_some() { problem.of_position() } else { problem };
     let Ok(by) = problem.solve(lift, lift.basis().order()) else {
-        let message = "the axes cannot be solved for at this pose: a division by an element whose real part is zero";
-        let help = "`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a \
-         pose that is not singular";
+        let count = |kind: AxisKind| machine.axes().iter().filter(|axis| axis.kind == kind).count();
+        let message = match count(AxisKind::Linear) {
+            3 => "the linear axes cannot hold the point at this pose: they are not independent".to_owned(),
+            linear => {
+                let axes = if linear == 1 { "axis" } else { "axes" };
+                format!("three conditions hold the point, and the machine has {linear} linear {axes} for them")
+            }
+        };
+        let help = "`--inverse` needs three linear axes that are independent; two rotary ones besides hold the \
+                    direction of the tool";
         return call.refuse(Diagnostic::new(codes::E0524, message).help(help));
     };
     let displacement = |(axis, by): (&usize, &crate::algebra::Weil)| {
@@ -124,5 +144,10 @@ pub(crate) fn inverse(
         let sum = difference(by, 0.0);
         (axis.name.to_string(), if axis.kind == AxisKind::Rotary { sum.to_degrees() } else { sum } + 0.0)
     };
-    Ok(problem.moving_axes().iter().zip(&by).map(displacement).collect())
+    let pole = pole.map(|pole| InversePole {
+        free: machine.axes()[pole.free].name.to_string(),
+        unreachable: into_part(machine, pole.unreachable).map(|x| x + 0.0).into(),
+    });
+    let still = still.iter().map(|axis| (machine.axes()[*axis].name.to_string(), 0.0));
+    Ok((problem.moving_axes().iter().zip(&by).map(displacement).chain(still).collect(), pole))
 }

@@ -1,7 +1,7 @@
 //! Deviation and E_VE at poses.
 
 use super::algebra;
-use super::effects::{ErrorEffect, Neglected, effects, inverse};
+use super::effects::{ErrorEffect, InversePole, Neglected, effects, inverse};
 use super::terms::{DegreePart, MonomialPart, Parts, matrix, row};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
@@ -160,6 +160,9 @@ pub struct PoseResult {
     /// Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inverse: Option<AxisPositions>,
+    /// The pole at which they hold the position alone: what is free, and what is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inverse_pole: Option<InversePole>,
 }
 
 /// Evaluates a machine at poses.
@@ -271,7 +274,8 @@ fn besides(
     }
     if let Some(lift) = lift.filter(|_| options.inverse) {
         for (result, pose) in results.iter_mut().zip(poses) {
-            result.inverse = Some(inverse(call, machine, &options.approach.at_pose(pose), lift)?);
+            let (by, pole) = inverse(call, machine, &options.approach.at_pose(pose), lift)?;
+            (result.inverse, result.inverse_pole) = (Some(by), pole);
         }
     }
     Ok(neglected)
@@ -300,5 +304,6 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         coefficients: None,
         degrees: None,
         inverse: None,
+        inverse_pole: None,
     }
 }

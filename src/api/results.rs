@@ -22,7 +22,7 @@ pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices
 pub use super::compose::ComposedSet;
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
-pub use super::effects::{ErrorEffect, Neglected};
+pub use super::effects::{ErrorEffect, InversePole, Neglected};
 pub use super::enumerate::{
     AgainstFirst, Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
 };

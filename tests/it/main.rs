@@ -69,6 +69,7 @@ mod in_force_numbers;
 mod inputs_kept;
 mod instrument;
 mod interactions;
+mod inverse_poles;
 mod job_files;
 mod job_verbs;
 #[cfg(target_os = "linux")]

@@ -173,9 +173,6 @@ fn what_is_no_algebra_is_refused_with_its_reason() {
         let (_, complaint, exit) = abbe(&["eval", machine, "--algebra", algebra]);
         assert!(exit == 1 && complaint.contains(code) && complaint.contains(words), "{algebra}: {exit} {complaint}");
     }
-    // The tool is parallel to C.
-    let (_, complaint, exit) = abbe(&["eval", machine, "--algebra", "degree: 2, generators: single", "--inverse"]);
-    assert!(exit == 1 && complaint.contains("E0524"), "{complaint}");
 }
 
 /// C(k + 6, 6) monomials of 128 bytes, C(2 k + 6, 6) products of 8.

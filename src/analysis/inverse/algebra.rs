@@ -8,7 +8,7 @@
 use crate::algebra::{Algebra, Singular, Tangent, newton_step, newton_steps};
 use crate::lower::{Chain, ErrorLift, ErrorValues, JointPosition, NominalPose};
 use crate::machine::{AxisKind, Machine};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// A problem of inverse kinematics at a pose.
 #[derive(Debug)]
@@ -24,6 +24,22 @@ pub struct Inverse<'a> {
     across: Option<[Vector3<f64>; 2]>,
 }
 
+/// A pole: the rotary axes turn the tool axis in one direction only, so that the pose is no analytic function of the
+/// errors there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pole {
+    /// Index of the rotary axis that does not turn the tool axis, or has the larger part in a turn of both that does
+    /// not.
+    pub free: usize,
+    /// Unit vector (unturned workpiece frame) across the tool axis, into which no axis turns it.
+    pub unreachable: Vector3<f64>,
+}
+
+/// Step of the differences by which a pole is found, deg; and the turn of the tool axis per turn of the axes below
+/// which the pose counts as one.
+const POLE_STEP_DEG: f64 = 1e-2;
+const POLE: f64 = 1e-6;
+
 /// Steps after which the real solution, if it is one, has been found.
 const REAL_STEPS: usize = 12;
 
@@ -38,6 +54,37 @@ impl<'a> Inverse<'a> {
         let moved = axes(AxisKind::Linear).chain(rotary.into_iter().filter(|_| holds_axis)).collect();
         let [x, y, _] = [0, 1, 2].map(|k| nominal.linear.column(k).into_owned());
         Self { machine, pose, errors, moved, tip: nominal.translation, across: holds_axis.then_some([x, y]) }
+    }
+
+    /// Returns the pole at which the pose is, if the tool axis is to be held.
+    pub fn pole(&self) -> Option<Pole> {
+        let across = self.across?;
+        let direction = |axis: usize, by: f64| {
+            let mut pose = self.pose.to_vec();
+            pose[axis] += by;
+            NominalPose::at(self.machine, &pose).pose.linear.column(2).into_owned()
+        };
+        let rotary: Vec<usize> = self.moved[3.min(self.moved.len())..].to_vec();
+        let turn = |axis: &usize| {
+            let by = direction(*axis, POLE_STEP_DEG) - direction(*axis, -POLE_STEP_DEG);
+            Vector2::from(across.map(|across| by.dot(&across) / (2.0 * POLE_STEP_DEG.to_radians())))
+        };
+        let turns: Vec<Vector2<f64>> = rotary.iter().map(turn).collect();
+        let [first, second] = turns[..] else { return None };
+        // Where both turn the tool alike, the one that turns it less has the larger part in what does not.
+        let (less, more, free) = match first.norm() < second.norm() {
+            true => (first, second, rotary[0]),
+            false => (second, first, rotary[1]),
+        };
+        let aside = Vector2::new(-more.y, more.x).try_normalize(POLE).unwrap_or_else(Vector2::x);
+        let unreachable = across[0] * aside.x + across[1] * aside.y;
+        (less.dot(&aside).abs() < POLE).then_some(Pole { free, unreachable })
+    }
+
+    /// Returns the same problem without the tool axis: the linear axes hold the point.
+    pub fn of_position(self) -> Self {
+        let moved = self.moved.into_iter().take(3).collect();
+        Self { moved, across: None, ..self }
     }
 
     /// Returns the indices of the axes that move.

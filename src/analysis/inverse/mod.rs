@@ -32,7 +32,7 @@ mod shortfall;
 mod sweep;
 mod tool_pose;
 
-pub use algebra::Inverse;
+pub use algebra::{Inverse, Pole};
 pub use candidates::{CandidateSearch, RowCandidates, is_same, is_wound};
 pub use directions::{DirectionKind, ToolDirections, freedom};
 pub use linear::complete;

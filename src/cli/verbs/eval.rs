@@ -3,9 +3,11 @@
 use crate::cli::Outcome;
 use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{frame_text, keep_words, length, numbers, path_text, table};
+use crate::cli::output::view::{folded, frame_text, keep_words, length, numbers, path_text, table};
 use abbe::options::Approach;
-use abbe::results::{AlgebraResult, AxisPositions, ErrorEffect, EvalResult, MonomialPart, Neglected, Over, PoseResult};
+use abbe::results::{
+    AlgebraResult, AxisPositions, ErrorEffect, EvalResult, InversePole, MonomialPart, Neglected, Over, PoseResult,
+};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
 use std::collections::{BTreeMap, BTreeSet};
@@ -158,12 +160,26 @@ fn text(result: &EvalResult) -> String {
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
         result.algebra.as_ref().map_or_else(String::new, quotient),
         result.over.as_ref().map_or_else(String::new, Over::text),
-        result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
+        result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>()
+            + &poles(result),
         parts(result)
             + &beyond_measured(result)
             + &effects(result)
             + &result.path.as_ref().map_or_else(String::new, path_text)
     )
+}
+
+/// The poles at which displacements hold the position alone.
+fn poles(result: &EvalResult) -> String {
+    let one = |(number, pole): (usize, &InversePole)| {
+        let [x, y, z] = pole.unreachable.map(|x| significant(x, 4));
+        folded(&format!(
+            "pose {number} is at a pole: the linear axes hold the point, `{}` is free, and the tool cannot be turned \
+             into ({x}, {y}, {z})",
+            pole.free
+        ))
+    };
+    (1..).zip(&result.poses).filter_map(|(number, pose)| Some(one((number, pose.inverse_pole.as_ref()?)))).collect()
 }
 
 /// Number of monomials that text output lists.
