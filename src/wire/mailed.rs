@@ -48,11 +48,12 @@ pub(crate) fn start(
         .fold(MemoryFiles::new(), |memory, (name, text)| memory.with(name.as_str(), text.as_str().unwrap_or_default()));
     let files_of = Overlay { text: memory, files: call.run.files };
     let settings = settings(options);
-    let asked = |file: &MachineFile| {
-        let others = files.iter().map(MachineFile::path).filter(|name| *name != file.path()).take(MAX_COMPARED);
+    // Those behind it, then those before it: so each machine is once the first, which the others are compared with.
+    let asked = |(at, file): (usize, &MachineFile)| {
+        let others = files.iter().skip(at + 1).chain(files.iter().take(at)).map(MachineFile::path).take(MAX_COMPARED);
         asked(file, &others.collect::<Vec<_>>(), options, &settings, &files_of)
     };
-    let asked: Vec<Value> = files.iter().map(asked).collect();
+    let asked: Vec<Value> = files.iter().enumerate().map(asked).collect();
     let work = job_file(options).or(options.tool_poses.as_ref());
     let place = json!({"work": work, "target": options.targets.first(), "asked": asked_part(options)});
     json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts, "machines": asked, "place": place})

@@ -300,5 +300,39 @@ pub fn three() {
     assert_eq!(Some(bench.figure("answer-by")), compared["verdicts"][1]["by"]["um"].as_f64());
     assert!(answer("better").starts_with("✓ A: premium.yaml"), "{}", answer("better"));
     assert!(answer("sure").starts_with("✓ Yes"), "{}", answer("sure"));
+    // Of the third machine it says the same, and so does the page of the best one itself.
+    let beside = ["answer-by-1", "answer-by"];
+    for (i, at) in beside.into_iter().enumerate() {
+        assert_eq!(Some(bench.figure(at)), compared["verdicts"][i]["by"]["um"].as_f64());
+    }
+    let _ = bench.browser.run(
+        "const list = document.getElementById('example');
+         list.value = [...list.options].find((of) => of.value.endsWith('premium.yaml')).value;
+         list.dispatchEvent(new Event('change'));",
+    );
+    wait(&bench.browser, "return document.getElementById('answer-better').textContent.startsWith('✓ premium.yaml');");
+    for (i, at) in beside.into_iter().enumerate() {
+        assert_eq!(Some(bench.figure(at)), compared["verdicts"][i]["by"]["um"].as_f64());
+    }
+    columns(&bench, [premium, commodity, production]);
     bench.quiet();
+}
+
+/// The eight answers of each machine stand beside each other, with the headline that `budget` gives.
+fn columns(bench: &Bench, files: [&str; 3]) {
+    bench.click("tab-variants");
+    wait(&bench.browser, "return document.querySelectorAll('#columns tbody tr').length === 9;");
+    for (i, file) in files.into_iter().enumerate() {
+        let output = abbe()
+            .args(["budget", file, "--format", "json", "--quiet", "--poses", "300", "--samples", "200"])
+            .output()
+            .unwrap();
+        let budget: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let own = budget["position_um"]["monte_carlo"]["percentiles"]["p95"]["value"].as_f64();
+        assert_eq!(Some(bench.figure(&format!("column-{i}-decides"))), own, "{file}");
+        let first = budget["tighten"][0]["um_of_p95"].as_f64();
+        assert_eq!(Some(bench.figure(&format!("column-{i}-answer-tighten-first"))), first, "{file}");
+        let test = format!("[data-at='column-{i}-answer-bar']");
+        assert_eq!(bench.browser.run(&format!("return document.querySelector(\"{test}\") !== null;")), true, "{file}");
+    }
 }

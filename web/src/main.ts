@@ -164,7 +164,7 @@ class Workbench {
     this.curve = new AxisCurve(panels.curve, session, move, failed);
     this.tighten = new Tighten(panels.tighten, session, editor, tell, failed);
     const kept = (first: string) => this.beside.take(first);
-    this.variants = new Variants(panels.variants, session, editor, kept, tell, failed);
+    this.variants = new Variants(panels.variants, session, editor, () => this.part.question(), kept, tell, failed);
     this.part = new Part(
       panels.part,
       session,
@@ -184,7 +184,7 @@ class Workbench {
       { name: "errors", label: "Errors", panel: this.panels.errors },
       { name: "curve", label: "Curve", panel: panels.curve, opened: () => this.curve.update(false) },
       { name: "tighten", label: "Tighten", panel: this.panels.tighten },
-      { name: "variants", label: "Variants", panel: this.panels.variants },
+      { name: "variants", label: "Variants", panel: panels.variants, opened: () => this.variants.opened() },
       { name: "part", label: "Part", panel: this.panels.part },
       { name: "control", label: "Control", panel: this.panels.control },
       { name: "acceptance", label: "Test", panel: this.panels.acceptance },
@@ -232,7 +232,8 @@ class Workbench {
   private report(report: Report): void {
     this.session.settings = report.settings;
     this.part.stated = report.part;
-    this.variants.begin(report.others);
+    this.variants.begin(report.others, report.chosen);
+    document.body.toggleAttribute("data-several", report.others.length > 0);
     if (this.tools.chosen && this.tools.chosen !== report.tool && report.isReadOnly) this.withoutTool(report.tool);
     if (!this.tools.chosen) this.tools.chosen = report.tool;
     byId("note").textContent = report.note;
@@ -540,7 +541,7 @@ class Workbench {
       move({ example: choice.value, pose: "", tool: "" });
       this.problems.clear("save", "tool");
       this.tools.chosen = store instanceof Report ? store.tool : "";
-      if (store instanceof Report) this.variants.begin(store.others);
+      if (store instanceof Report) this.variants.begin(store.others, store.chosen);
       void this.open();
     });
     return [choice];

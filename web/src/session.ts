@@ -200,6 +200,32 @@ export class Session {
     });
   }
 
+  /** Asks about another machine file, as `askAtRest` does; of another than the open one its first tool counts. */
+  async askAbout(
+    machine: string,
+    text: string,
+    questions: Question[],
+    more: Record<string, string>,
+  ): Promise<unknown[]> {
+    const { signal } = this.still;
+    if (this.wish) throw new Abandoned(this.rest());
+    const { over, texts, tool } = this.request(this.text, []);
+    const all = { ...more, ...texts, [machine]: text };
+    const own = machine === this.machine && tool ? { tool } : {};
+    const request = { machine, texts: all, questions, ...own, ...(over ? { over } : {}) };
+    return this.evaluator.ask(request, signal).then(
+      ({ answers }) => answers,
+      (failure: unknown) => {
+        throw signal.aborted ? new Abandoned(this.rest()) : failure;
+      },
+    );
+  }
+
+  /** The questions of the headline and of what makes it, with all effort; `found` reads their answers. */
+  questions(): Question[] {
+    return this.figureQuestions(this.effort(false), true);
+  }
+
   private rest(): Promise<void> {
     return new Promise((done) => {
       if (this.busy || this.isHeld) this.waiting.push(done);
@@ -339,25 +365,36 @@ export class Session {
   private async findings(text: string, effort: Effort, signal?: AbortSignal): Promise<Answered> {
     // A slider changes no name.
     const names = effort.draft ? this.now : null;
-    const questions: Question[] = [
+    const questions = this.figureQuestions(effort, !names);
+    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions), signal);
+    const findings = findingsOf(answers);
+    return { diagnostics, findings: names && findings ? { ...findings, ...named(names) } : findings };
+  }
+
+  private figureQuestions(effort: Effort, withNames: boolean): Question[] {
+    return [
       "show",
       this.map(effort),
       { budget: { ...this.settings.budget, samples: effort.samples } },
       this.sources(effort),
-      ...(names ? [] : (["words", "numbers"] as const)),
+      ...(withNames ? (["words", "numbers"] as const) : []),
     ];
-    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions), signal);
-    const chain = accepted<Chain>(answers[0]);
-    if (!chain) return { diagnostics, findings: null };
-    const findings = {
-      chain,
-      map: accepted<VolumeMap>(answers[1]),
-      refused: refusals(answers[1]),
-      budget: accepted<Budget>(answers[2]),
-      sources: accepted<Sources>(answers[3]),
-      words: names?.words ?? accepted<Record<string, string>>(answers[4]) ?? {},
-      numbers: names?.numbers ?? accepted<Record<string, ErrorNumber>>(answers[5]) ?? {},
-    };
-    return { diagnostics, findings };
   }
+}
+
+const named = ({ words, numbers }: Findings) => ({ words, numbers });
+
+/** What the answers to the questions of the figures say; null where the machine is refused. */
+export function findingsOf(answers: unknown[]): Findings | null {
+  const chain = accepted<Chain>(answers[0]);
+  if (!chain) return null;
+  return {
+    chain,
+    map: accepted<VolumeMap>(answers[1]),
+    refused: refusals(answers[1]),
+    budget: accepted<Budget>(answers[2]),
+    sources: accepted<Sources>(answers[3]),
+    words: accepted<Record<string, string>>(answers[4]) ?? {},
+    numbers: accepted<Record<string, ErrorNumber>>(answers[5]) ?? {},
+  };
 }

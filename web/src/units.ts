@@ -58,6 +58,35 @@ export function rounded(value: number): string {
   return value.toFixed(digits).replace("-", "−");
 }
 
+/** Positions are in mm; who reads micro-inches reads them in inches. */
+const INCH = 25.4;
+const isInches = () => length === "uin";
+
+/** A position of an axis as it is read: with one decimal of a millimetre or a degree, and three of an inch. */
+export function position(value: number, unit: string, digits = 1): string {
+  const inch = unit === "mm" && isInches();
+  const shown = inch ? value / INCH : value;
+  const name = inch ? "in" : unit === "deg" ? "°" : unit;
+  return `${Number(shown.toFixed(inch ? digits + 2 : digits))} ${name}`.replace("-", "−");
+}
+
+/** A sentence of the program: its positions in mm as they are read. */
+export const positions = (words: string): string =>
+  !isInches()
+    ? words
+    : words.replace(/([−-]?\d+(?:\.\d+)?) mm\b/g, (_, value: string) =>
+        position(Number(value.replace("−", "-")), "mm"),
+      );
+
+/** A length beside the picture that is not longer than this one, mm, and round as it is read. */
+export function roundLength(mm: number): { mm: number; words: string } {
+  const size = isInches() ? INCH : 1;
+  const most = mm / size;
+  const power = 10 ** Math.floor(Math.log10(most));
+  const round = (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1) * power;
+  return { mm: round * size, words: `${Number(round.toPrecision(1))} ${size === 1 ? "mm" : "in"}` };
+}
+
 /** A value of the program as it is read, without its unit. */
 export const bare = (value: number, unit = "um"): string => rounded(inReaders(value, unit));
 

@@ -114,7 +114,7 @@ test("all corners of every machine are finite, with any part on it", { skip }, (
     const marks = new Marks();
     figure.workpiece.add(marks.group);
     for (const part of parts) {
-      marks.path(part, 2, [1, 2]);
+      marks.path(part, 2, [1, 2], true);
       const corners = figure.corners({});
       assert.ok(corners.length > 8, machine);
       assert.ok(

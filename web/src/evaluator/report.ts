@@ -74,9 +74,11 @@ export class Report implements Evaluator, Store {
     return this.start.place.asked;
   }
 
-  /** The machines besides the one that is chosen. */
+  /** The machines besides the one that is chosen: those behind it, then those before it. */
   get others(): { machine: string; text: string }[] {
-    return this.start.machines.filter(({ machine }) => machine !== this.chosen);
+    const { machines } = this.start;
+    const at = machines.findIndex(({ machine }) => machine === this.chosen);
+    return [...machines.slice(at + 1), ...machines.slice(0, Math.max(at, 0))];
   }
 
   /** Name of the tool that the report is about; empty for the first. */

@@ -3,6 +3,7 @@
 import { type Axis, type Chain, geometry, type Pose } from "../evaluator/types";
 import { button, make } from "../ui/dom";
 import { move, place } from "../ui/address";
+import { position as asRead } from "../units";
 
 /** Time of the way to a pose, ms; none for who asked for less motion. */
 const WAY = 1400;
@@ -80,7 +81,7 @@ export class AxisSliders {
     input.addEventListener("focus", () => this.chosen(axis.name));
     input.addEventListener("blur", () => this.chosen(""));
     this.inputs.set(axis.name, input);
-    const ends = axis.continuous ? "turns without end" : `${min} to ${max} ${unitOf(axis)}`;
+    const ends = axis.continuous ? "turns without end" : `${asRead(min, axis.unit, 4)} to ${asRead(max, axis.unit, 4)}`;
     return make(
       "div",
       { class: "axis-row", title: `${axis.name}: ${ends}` },
@@ -110,7 +111,7 @@ export class AxisSliders {
       const position = this.pose[axis.name] ?? 0;
       if (!input) continue;
       input.value = String(position);
-      const text = `${Number(position.toFixed(1))} ${unitOf(axis)}`.replace("-", "−");
+      const text = asRead(position, axis.unit);
       input.setAttribute("aria-valuetext", text);
       if (input.nextElementSibling) input.nextElementSibling.textContent = text;
     }
@@ -121,8 +122,6 @@ export class AxisSliders {
     move({ pose: entries.map(([name, position]) => `${name}=${Number(position.toFixed(4))}`).join(",") });
   }
 }
-
-const unitOf = (axis: Axis) => (axis.unit === "deg" ? "°" : axis.unit);
 
 function within(axis: Axis, position: number): number {
   if (axis.continuous) return position;

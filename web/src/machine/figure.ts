@@ -20,6 +20,8 @@ export class Figure {
   readonly workpiece = new three.Group();
   readonly layout: Layout;
   private readonly bodies = new Map<string, three.Group>();
+  /** The middle of the largest casting of each body, at the zero pose. */
+  private readonly hearts = new Map<string, three.Vector3>();
 
   /** `surfaces` are drawn in place of castings. */
   constructor(chain: Chain, tool: string, materials: Materials, surfaces: Surfaces = new Map()) {
@@ -73,8 +75,10 @@ export class Figure {
     return { origin: origin.toArray(), direction: direction.toArray() };
   }
 
-  /** The middle of the body of an axis, in the machine's coordinates. */
+  /** The middle of the body of an axis, in the machine's coordinates: of castings that of the largest, not in the air. */
   middle(axis: Axis): Vec3 {
+    const [heart, body] = [this.hearts.get(axis.name), this.bodies.get(axis.name)];
+    if (heart && body) return heart.clone().applyMatrix4(body.matrixWorld).toArray();
     const box = new three.Box3();
     for (const of of this.bodies.get(axis.name)?.children ?? []) {
       if (!(of instanceof three.Mesh)) continue;
@@ -180,6 +184,8 @@ export class Figure {
   private fill(body: string, shapes: Shape[], materials: Materials): void {
     const group = this.bodies.get(body);
     const kinds = new Set(shapes.map((shape) => shape.material));
+    const heart = largest(shapes);
+    if (heart) this.hearts.set(body, heart);
     for (const material of kinds) {
       const parts = shapes.filter((shape) => shape.material === material).map((shape) => shape.geometry);
       const merged = mergeGeometries(parts);
@@ -221,6 +227,18 @@ export class Figure {
 function castingsOf(body: string, list: Shape[], surfaces: Surfaces): Shape[] {
   const stands: Partial<Record<Material, string>> = { tool: "tool", part: "workpiece" };
   return list.filter(({ material }) => !surfaces.has(stands[material] ?? body));
+}
+
+/** The middle of the largest of shapes, guides apart. */
+function largest(shapes: Shape[]): three.Vector3 | undefined {
+  const boxes = shapes
+    .filter(({ material }) => material === "axis" || material === "rotary" || material === "spindle")
+    .map(({ geometry }) => {
+      geometry.computeBoundingBox();
+      const { x, y, z } = geometry.boundingBox?.getSize(new three.Vector3()) ?? { x: 0, y: 0, z: 0 };
+      return { middle: geometry.boundingBox?.getCenter(new three.Vector3()), size: x * y * z };
+    });
+  return boxes.sort((a, b) => b.size - a.size)[0]?.middle;
 }
 
 function cornersOf({ min, max }: three.Box3): three.Vector3[] {

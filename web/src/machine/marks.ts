@@ -110,15 +110,16 @@ export class Marks {
     this.group.add(mesh);
   }
 
-  /** Draws the path of a part: balls of this radius coloured by deviation, octahedra where an axis stops. */
-  path(points: WorkPoint[], most: number, [size, stop]: [number, number]): void {
+  /** Draws the poses of a part: balls of this radius coloured by deviation, octahedra where an axis stops. No line joins
+   * single poses, which have no order. */
+  path(points: WorkPoint[], most: number, [size, stop]: [number, number], isPath: boolean): void {
     for (const old of [...this.work.children] as (three.Mesh | three.Line)[]) {
       old.geometry.dispose();
       old.removeFromParent();
     }
     if (!points.length) return;
     const places = points.map(({ tip }) => new three.Vector3(...tip));
-    this.outline(points, places, most, 0.35 * size);
+    if (isPath) this.outline(points, places, most, 0.35 * size);
     const reached = points.filter(({ um }) => um !== null);
     const stopped = points.filter(({ um }) => um === null);
     for (const [list, shape] of [

@@ -3,6 +3,7 @@
 import * as three from "three";
 import type { Axis, Vec3 } from "../evaluator/types";
 import { make } from "../ui/dom";
+import { position, roundLength } from "../units";
 import type { Figure } from "./figure";
 import { across, along, dot, foot, minus, norm, scaled } from "./vectors";
 
@@ -55,9 +56,9 @@ export class Overlay {
       }),
     );
     this.directions(camera);
-    const length = round(110 * pixel);
-    this.scale.textContent = `${length} mm`;
-    this.scale.style.width = `${(length / pixel).toFixed(1)}px`;
+    const { mm, words } = roundLength(170 * pixel);
+    this.scale.textContent = words;
+    this.scale.style.width = `${(mm / pixel).toFixed(1)}px`;
   }
 
   /** X, Y and Z of the machine as the camera sees them. */
@@ -95,6 +96,10 @@ export class Overlay {
     brush.textAlign = "center";
     for (const of of this.notes.children as HTMLCollectionOf<HTMLElement>)
       brush.fillText(of.textContent ?? "", ratio * parseFloat(of.style.left), ratio * (parseFloat(of.style.top) + 4));
+    const [right, low] = [brush.canvas.width - 14 * ratio, brush.canvas.height - 14 * ratio];
+    const long = ratio * parseFloat(this.scale.style.width);
+    brush.fillRect(right - long, low, long, 2 * ratio);
+    brush.fillText(this.scale.textContent ?? "", right - long / 2, low - 6 * ratio);
   }
 }
 
@@ -112,11 +117,11 @@ function names(figure: Figure): Note[] {
 function arms(figure: Figure): Note[] {
   const { tip, layout } = figure;
   const rotary = [layout.workpiece, layout.tool].map((side) => side.filter(({ kind }) => kind === "rotary"));
-  const length = (mm: number) => String(Number(mm.toFixed(2)));
+  const length = (mm: number) => position(mm, "mm", 2);
   const arm = (axis: Axis): Note => {
     const { origin, direction } = figure.line(axis);
     const centre = foot(tip, origin, direction);
-    const words = `${axis.name} arm ${length(norm(minus(tip, centre)))} mm`;
+    const words = `${axis.name} arm ${length(norm(minus(tip, centre)))}`;
     return { at: halfway(tip, centre), words, kind: "arm" };
   };
   const between = (one: Axis, other: Axis): Note => {
@@ -126,16 +131,10 @@ function arms(figure: Figure): Note[] {
     const normal = new three.Vector3(...a.direction).cross(new three.Vector3(...b.direction));
     const mm =
       normal.length() > 1e-9 ? Math.abs(dot(gap, normal.normalize().toArray())) : norm(across(gap, a.direction));
-    return { at: halfway(a.origin, b.origin), words: `${one.name} to ${other.name} ${length(mm)} mm`, kind: "arm" };
+    return { at: halfway(a.origin, b.origin), words: `${one.name} to ${other.name} ${length(mm)}`, kind: "arm" };
   };
   const pairs = rotary.flatMap((side) => side.slice(1).map((axis, i) => between(side[i] ?? axis, axis)));
   return [...rotary.flat().map(arm), ...pairs];
 }
 
 const halfway = (a: Vec3, b: Vec3): Vec3 => scaled([a[0] + b[0], a[1] + b[1], a[2] + b[2]], 0.5);
-
-/** The round length below one. */
-export function round(mm: number): number {
-  const power = 10 ** Math.floor(Math.log10(mm));
-  return (mm >= 5 * power ? 5 : mm >= 2 * power ? 2 : 1) * power;
-}

@@ -10,10 +10,11 @@ import { gltf } from "./gltf";
 import { Guide } from "./guide";
 import type { Surfaces } from "./look";
 import { type FieldNode, Marks, type WorkPoint } from "./marks";
-import { Overlay, round } from "./overlay";
+import { Overlay } from "./overlay";
 import { hides, Pick } from "./pick";
 import type { Material } from "./shapes";
 import { scaled } from "./vectors";
+import { roundLength } from "../units";
 
 const LIGHT: Record<Material, number> = {
   bed: 0x9aa4ae,
@@ -215,7 +216,7 @@ export class Stage {
     const up = new three.Vector3(...(this.figure?.layout.up ?? [0, 0, 1]));
     const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const low = Math.min(...corners.map((corner) => corner.dot(up)));
-    const step = round(radius / 3);
+    const step = roundLength(radius / 3).mm;
     const lines = 2 * Math.ceil((1.3 * radius) / step);
     const ground = new three.GridHelper(lines * step, lines, 0x7d8791, 0x7d8791);
     Object.assign(ground.material, { transparent: true, opacity: 0.25, depthWrite: false });
@@ -330,10 +331,11 @@ export class Stage {
     this.draw();
   }
 
-  /** The path of a part, coloured on a scale that ends at `most` um. */
-  path(points: WorkPoint[], most: number): void {
+  /** The poses of a part, coloured on a scale that ends at `most` um; a path is drawn from pose to pose. */
+  path(points: WorkPoint[], most: number, isPath = false): void {
     const size = (this.figure?.layout.size ?? 100) / 14;
-    this.marks.path(points, most, [Math.max(size, 3 * this.pixel), Math.max(1.4 * size, 6 * this.pixel)]);
+    const sizes: [number, number] = [Math.max(size, 3 * this.pixel), Math.max(1.4 * size, 6 * this.pixel)];
+    this.marks.path(points, most, sizes, isPath);
     // The block stands for a part: where the part is known only its edges stay.
     this.materials.part.visible = !points.length;
     this.draw();

@@ -3,7 +3,7 @@
 import { Newest } from "../evaluator/newest";
 import type { InstrumentResult } from "../evaluator/results";
 import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type Vec3 } from "../evaluator/types";
-import { isSettled, type Session, type State } from "../session";
+import { type Findings, isSettled, type Session, type State } from "../session";
 import type { Answer, Tell } from "./answers";
 import { make } from "../ui/dom";
 import { folding, row, table, tableFiles } from "../ui/table";
@@ -29,10 +29,7 @@ export class Acceptance {
     if (!isSettled(state)) return;
     const { machine } = state.now.chain;
     void this.asking.do(async () => {
-      const tests = (["ball_bar", "r_test", "diagonals"] as const).map((instrument) => ({
-        instrument: { instrument },
-      }));
-      const [bar, turn, lines] = await this.session.askAtRest(tests);
+      const [bar, turn, lines] = await this.session.askAtRest(INSTRUMENTS);
       if (bar === undefined) return;
       const answers = [bar, turn, lines];
       const bounds = answers.map((of) => accepted<Bounded>(of)?.bounds);
@@ -40,7 +37,7 @@ export class Acceptance {
         this.tell("test", ofBounds(bounds[0], bounds[2]));
         return this.bounded(machine, answers);
       }
-      if (isUnknown(state)) return this.nothing();
+      if (isUnknown(state.now)) return this.nothing();
       this.tell("test", readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
       const sections = [
         section(...TESTS[0], bar, circles),
@@ -96,13 +93,26 @@ export class Acceptance {
 
 type Bounded = InstrumentResult;
 
+/** The questions of the tests. */
+export const INSTRUMENTS = (["ball_bar", "r_test", "diagonals"] as const).map((instrument) => ({
+  instrument: { instrument },
+}));
+
+/** What the tests read of a machine, by their answers; none where nothing is known of it. */
+export function tested([bar, , lines]: unknown[], of: Findings): Answer | undefined {
+  const bounds = [bar, lines].map((answer) => accepted<Bounded>(answer)?.bounds);
+  if (bounds.some((found) => found)) return ofBounds(bounds[0], bounds[1]);
+  if (isUnknown(of)) return undefined;
+  return readings(accepted<BallBar>(bar), accepted<Diagonals>(lines));
+}
+
 const TESTS = [
   ["Ball bar, ISO 230-4", "bidirectional circular deviation"],
   ["R-test", "range of the ball's reading along X, Y, Z"],
   ["Laser along body diagonals, ISO 230-6", "systematic deviation"],
 ] as const;
 
-const isUnknown = ({ now }: State): boolean => now?.map?.from === "bounds" || !now?.sources?.errors.length;
+const isUnknown = ({ map, sources }: Findings): boolean => map?.from === "bounds" || !sources?.errors.length;
 
 type Readings = InstrumentResult["bounds"];
 
@@ -140,7 +150,9 @@ function readings(bar: BallBar | null, lines: Diagonals | null): Answer {
   return { words: "At most", figure: words, why: ["Of the machine by itself, in its volume."] };
 }
 
-const signs = (name: string) => (/^[pn]+$/.test(name) ? name.replaceAll("p", "+").replaceAll("n", "−") : name);
+/** A diagonal by the signs of its directions, which no line breaks. */
+const signs = (name: string) =>
+  /^[pn]+$/.test(name) ? [...name].map((of) => (of === "p" ? "+" : "−")).join("\u2060") : name;
 
 type Row = [string, Node[]];
 

@@ -19,6 +19,12 @@ const QUESTIONS = {
   test: ["acceptance", "What will the acceptance test read?", "…", ""],
 } as const;
 
+/** The questions in their order, in words. */
+export const ASKED = (Object.keys(QUESTIONS) as (keyof typeof QUESTIONS)[]).map((of) => ({
+  of,
+  words: QUESTIONS[of][1],
+}));
+
 export type Asked = keyof typeof QUESTIONS;
 
 const MARKS = { yes: "✓", no: "✗", open: "?" };
@@ -58,9 +64,14 @@ export class Answers {
     const [, , none, how] = QUESTIONS[of];
     const { words, mark, figure = [], why = [] } = answer ?? { words: none, why: how ? [how] : [] };
     cell?.classList.toggle("none", !answer);
-    const sign = mark ? [make("span", { class: `mark ${mark}`, "aria-hidden": "true" }, MARKS[mark]), " "] : [];
-    const value = figure.length ? [" ", make("span", {}, ...figure)] : [];
-    const reason = why.length ? [make("span", { class: "why" }, ...why)] : [];
-    cell?.replaceChildren(...sign, make("strong", {}, words), ...value, ...reason);
+    cell?.replaceChildren(...said({ words, ...(mark ? { mark } : {}), figure, why }));
   };
+}
+
+/** An answer as it stands in a cell. */
+export function said({ words, mark, figure = [], why = [] }: Answer): (Node | string)[] {
+  const sign = mark ? [make("span", { class: `mark ${mark}`, "aria-hidden": "true" }, MARKS[mark]), " "] : [];
+  const value = figure.length ? [" ", make("span", {}, ...figure)] : [];
+  const reason = why.length ? [make("span", { class: "why" }, ...why)] : [];
+  return [...sign, make("strong", {}, words), ...value, ...reason];
 }

@@ -87,14 +87,13 @@ export class Control {
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
       this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
-      const reasons = refusals(answer);
-      this.tell("repair", found ? repaired(found, target) : { words: "Refused", mark: "open", why: reasons });
+      this.tell("repair", leaves(answer, target.title));
     });
   }
 
   /** Nothing is measured: machines are drawn between the bounds, and the control corrects each. */
   private async inKind(target: Target): Promise<void> {
-    const [answer] = await this.session.askAtRest([{ repair: { target: target.target, machines: MACHINES } }]);
+    const [answer] = await this.session.askAtRest([takenOff(target.target)]);
     if (answer === undefined) return;
     const found = accepted<Repair>(answer);
     const of = found?.targets[0];
@@ -104,11 +103,10 @@ export class Control {
       this.body.replaceChildren(...why.map((line) => make("p", { class: "refused" }, line)), ...limits(target));
       return this.tell("repair", { words: of ? "Not known" : "Refused", mark: "open", why });
     }
-    const { least, median, most, machines } = of.drawn;
+    const { median } = of.drawn;
     const by = judged(of.over);
     const [before, after] = [of.uncompensated.position_um[by], of.compensated.position_um[by]];
-    const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
-    const spread = `${percent(least)} to ${percent(most)} of ${machines} machines drawn between the bounds`;
+    const spread = spreadOf(of.drawn);
     const list = table(
       ["Figure", "as it is", "corrected"],
       [
@@ -122,8 +120,7 @@ export class Control {
     list.prepend(make("caption", { class: "words" }, `Deviation ${scopeOf(of.over)}, of the machine with the median`));
     const words = `The files of this control take off ${percent(median)}; ${spread}. Measured, it would be known.`;
     this.body.replaceChildren(make("p", { class: "words" }, words), list, ...limits(target));
-    const why = [`With ${target.title}, once measured; ${spread}.`];
-    this.tell("repair", { words: `${percent(median)}:`, mark: after < before ? "yes" : "no", figure: both, why });
+    this.tell("repair", takesOff(answer, target.title));
   }
 
   /** No control is chosen: all are tried, or of a machine of which nothing is measured named with what they correct. */
@@ -167,7 +164,7 @@ export class Control {
     const rows = left.map((of) => row(of.target.title, figure(`left-${of.target.target}`, after(of), "µm")));
     const list = table(["Control", `leaves, ${scopeOf(best.found.over)}`], rows);
     this.body.replaceChildren(scrolling(list));
-    const answer = repaired(best.found, best.target);
+    const answer = repaired(best.found, best.target.title);
     const of = tried ? `With the best so far, ${tried}` : "With the best";
     this.tell("repair", { ...answer, ...(tried ? { mark: "open" } : {}), why: [`${of}: ${best.target.title}.`] });
   }
@@ -181,7 +178,14 @@ export class Control {
   }
 }
 
-const corrected = (target: string): Question => ({ map: { poses: { random: FULL.poses }, target } });
+/** What a control leaves of a machine, by its answer. */
+export function leaves(answer: unknown, target: string): Answer {
+  const found = accepted<Compensated>(answer);
+  if (!found) return { words: "Refused", mark: "open", why: refusals(answer) };
+  return repaired(found, target);
+}
+
+export const corrected = (target: string): Question => ({ map: { poses: { random: FULL.poses }, target } });
 
 const scrolling = (of: HTMLElement) => make("div", { class: "scroll", tabindex: "0" }, of);
 
@@ -190,13 +194,31 @@ const judged = (over: Over) => (over.kind === "job" ? "max" : "p95");
 
 const after = ({ found: { over, position_um } }: Left): number => position_um[judged(over)];
 
+type Drawn = NonNullable<Repair["targets"][number]["drawn"]>;
+
+const spreadOf = ({ least, most, machines }: Drawn) =>
+  `${percent(least)} to ${percent(most)} of ${machines} machines drawn between the bounds`;
+
+export const takenOff = (target: string): Question => ({ repair: { target, machines: MACHINES } });
+
+/** What a control takes off machines drawn between bounds, by its answer. */
+export function takesOff(answer: unknown, target: string): Answer {
+  const [of] = accepted<Repair>(answer)?.targets ?? [];
+  if (!of?.drawn) return { words: "Not known", mark: "open", why: refusals(answer) };
+  const by = judged(of.over);
+  const [before, after] = [of.uncompensated.position_um[by], of.compensated.position_um[by]];
+  const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
+  const why = [`With ${target}, once measured; ${spreadOf(of.drawn)}.`];
+  return { words: `${percent(of.drawn.median)}:`, mark: after < before ? "yes" : "no", figure: both, why };
+}
+
 /** By the figure of the headline. */
-function repaired({ over, position_um, uncompensated }: Compensated, target: Target): Answer {
+function repaired({ over, position_um, uncompensated }: Compensated, target: string): Answer {
   const by = judged(over);
   const [before, after] = [uncompensated.position_um[by], position_um[by]];
   const both = [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm")];
   const share = before > 0 ? `${Math.max(0, Math.round(100 * (1 - after / before)))} %` : "Nothing";
-  return { words: `${share}:`, mark: after < before ? "yes" : "no", figure: both, why: [`With ${target.title}.`] };
+  return { words: `${share}:`, mark: after < before ? "yes" : "no", figure: both, why: [`With ${target}.`] };
 }
 
 function shown({ over, position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {

@@ -10,7 +10,7 @@ import { plainly } from "../explain/name";
 import type { Answer, Tell } from "./answers";
 import { difference, figure, pair } from "./number";
 import { isOverJob, scopeOf } from "./verdict";
-import { bound, quantity } from "../units";
+import { bound, position, quantity } from "../units";
 
 /** A bar of the chart. */
 export interface Bar {
@@ -209,7 +209,7 @@ function sameBars(one: State, other: State): boolean {
 }
 
 /** The largest error alone, in words, and the one that counts most at the worst pose. */
-function dominates(of: Findings): Answer | undefined {
+export function dominates(of: Findings): Answer | undefined {
   const { sources, map, budget, chain } = of;
   const [first] = ofMachines(of) ? [] : ranked(of);
   const named = (error: string) => make("span", { "data-error": error, tabindex: "0" }, error);
@@ -218,20 +218,20 @@ function dominates(of: Findings): Answer | undefined {
     const [most] = budget?.tighten ?? [];
     if (!budget || !most) return undefined;
     const all = budget.position_um.monte_carlo.percentiles["p95"];
-    const worst = map?.bounds?.worst[0]?.axes;
-    const where = worst && chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ");
+    const where = poseOf(chain.axes, map?.bounds?.worst[0]?.axes);
     const part = [figure("answer-first", most.um_of_p95, "µm"), all ? ` of ${quantity(all.value)}` : ""];
     return { words: words(most.error), figure: part, why: [named(most.error), where ? `; worst at ${where}.` : "."] };
   }
   const [there] = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
-  const size = [figure("answer-first", first[judged(of)], "µm")];
+  const size = ["makes ", figure("answer-first", first[judged(of)], "µm"), " alone"];
   if (!there) return { words: words(first.error), figure: size };
   const whole = map ? ` of ${quantity(map.position_um.max)}` : "";
-  const why = [named(first.error), " alone; at the worst pose ", named(there.error), " makes "];
+  const at = poseOf(chain.axes, sources?.at);
+  const why = [named(first.error), "; at the worst pose ", named(there.error), " makes "];
   return {
     words: words(first.error),
     figure: size,
-    why: [...why, figure("answer-worst", there.at_um, "µm"), `${whole}.`],
+    why: [...why, figure("answer-worst", there.at_um, "µm"), `${whole}${at && `: ${at}`}.`],
   };
 }
 
@@ -243,9 +243,10 @@ function said(error: string, { chain, numbers }: Findings): string {
   return words.charAt(0).toUpperCase() + words.slice(1) + by;
 }
 
-/** Position of an axis in whole units. */
-function position({ name, unit }: Axis, value: number): string {
-  return `${name}\u00a0${value.toFixed(0).replace(/^-0$/, "0").replace("-", "−")}\u00a0${unit === "deg" ? "°" : unit}`;
+/** A pose in whole units (tenths of an inch); empty without one. */
+function poseOf(axes: Axis[], pose: Pose | undefined): string {
+  const at = ({ name, unit }: Axis) => `${name} ${position(pose?.[name] ?? 0, unit, 0)}`.replaceAll(" ", "\u00a0");
+  return pose ? axes.map(at).join(", ") : "";
 }
 
 /** The chart as a file. */

@@ -7,6 +7,7 @@ import {
   type PlacedPart,
   type Part as AskedPart,
   type Pose,
+  type Question,
   type Refusal,
   type StatedPart,
   type Work,
@@ -196,12 +197,19 @@ export class Part {
     return { asked: { ...of, ...stated }, more, isOwn: false, name: path.replace(/^.*[/\\]/, "") };
   }
 
+  /** The question about the part, with the texts that it needs. */
+  question(): { question: Question; more: Record<string, string> } {
+    const { asked, more } = this.named();
+    const { samples, map } = this.session.settings;
+    return { question: { work: { ...asked, samples, map } }, more };
+  }
+
   private update(): void {
-    const { asked, more, isOwn, name } = this.named();
+    const { isOwn, name } = this.named();
     this.places.replaceChildren();
     void this.asking.do(async () => {
-      const { samples, map } = this.session.settings;
-      const [answer] = await this.session.askAtRest([{ work: { ...asked, samples, map } }], more);
+      const { question, more } = this.question();
+      const [answer] = await this.session.askAtRest([question], more);
       if (answer === undefined) return;
       const work = accepted<Work>(answer);
       const isMissing = !work && (answer as Refusal | null)?.diagnostics?.[0]?.code === NO_FILE;
@@ -241,8 +249,8 @@ export class Part {
     const stops = [...new Set(rows.filter((row) => !row.axes).map(stop))];
     const colours = new Map(stops.map((of, i) => [of, STOPPED[i % STOPPED.length] ?? "#666666"]));
     const most = reached[0] ? deviation(reached[0]) : 0;
-    this.stage?.path(points(work, colours, this.go), most);
-    this.tell("fits", fits(rows, stops));
+    this.stage?.path(points(work, colours, this.go), most, !!work.map.path);
+    this.tell("fits", fits(rows));
     this.player.show(work);
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
     this.body.replaceChildren(
@@ -384,7 +392,9 @@ function placeRow(name: string, of: PlacedPart["placement"]["own"] | null | unde
   return make("tr", values, ...cells.map((cell) => make("td", {}, cell)));
 }
 
-function fits(rows: WorkRow[], stops: string[]): Answer {
+/** Whether a part fits, by its rows. */
+export function fits(rows: WorkRow[]): Answer {
+  const stops = [...new Set(rows.filter((row) => !row.axes).map(stop))];
   const missed = rows.filter((row) => !row.axes).length;
   const figure = [`${rows.length - missed} of ${rows.length} poses are reached`];
   if (missed) return { words: "No, travel:", mark: "no", figure, why: [`The rest is ${stops.map(words).join(", ")}.`] };

@@ -4,6 +4,7 @@ import { Newest } from "../evaluator/newest";
 import { accepted, type Reach } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
 import { make } from "../ui/dom";
+import { positions } from "../units";
 
 /** Reasons that are shown. */
 const FEW = 2;
@@ -53,7 +54,7 @@ function shown(reach: Reach): HTMLElement[] {
   );
   if (!reach.reasons.length) return [words];
   const more = reach.reasons.length - FEW;
-  const rest = `${reach.reasons.slice(0, FEW).join("; ")}${more > 0 ? `; ${more} more` : ""}.`;
+  const rest = `${reach.reasons.slice(0, FEW).map(positions).join("; ")}${more > 0 ? `; ${more} more` : ""}.`;
   const all = { class: "words", id: "out-of-reach", title: reach.reasons.join("\n") };
   return [words, make("p", all, "The rest: ", rest.replaceAll(/-(\d)/g, "−$1").replaceAll("tool poses", "poses"))];
 }

@@ -4,7 +4,7 @@ import type { Editor } from "../editor/editor";
 import { toleranceEdits } from "../editor/tolerances";
 import { Newest } from "../evaluator/newest";
 import { accepted, type Refusal, type ToleranceGoal } from "../evaluator/types";
-import { type Budget, isSettled, type Session, type State } from "../session";
+import { type Budget, type Findings, isSettled, type Session, type State } from "../session";
 import type { Answer, Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
@@ -87,22 +87,14 @@ export class Tighten {
   /** In the review: the search takes seconds, and waits for a hand. */
   private offer(): void {
     const { goal, first } = this;
-    if (!this.bounded)
-      return this.tell("tighten", {
-        words: "No bound",
-        mark: "open",
-        why: ["No error of this machine is bounded: values are corrected, not tightened."],
-      });
+    if (!this.bounded) return this.tell("tighten", UNBOUNDED);
     if (this.isHeld && !Number(this.input.value))
       return this.tell("tighten", { words: "Nothing", mark: "yes", why: ["The limit is held."] });
     if (goal > 0)
       return this.tell("tighten", {
         words: button(`Find tolerances for ${quantity(goal)}`, () => this.ask(), { class: "link" }),
       });
-    if (!first) return this.tell("tighten");
-    const name = make("span", { "data-error": first.error, tabindex: "0" }, first.error);
-    const share = [figure("answer-tighten-first", first.um_of_p95, "µm"), " of the figure"];
-    this.tell("tighten", { words: name, figure: share, why: ["First; a limit or a goal gives the cost."] });
+    this.tell("tighten", first && { ...firstOf(first), why: ["First; a limit or a goal gives the cost."] });
   }
 
   private ask(): void {
@@ -158,6 +150,24 @@ export class Tighten {
   private write(goal: ToleranceGoal): void {
     this.editor.change(toleranceEdits(this.editor.view.state, goal.tolerances.filter(changes)));
   }
+}
+
+const UNBOUNDED: Answer = {
+  words: "No bound",
+  mark: "open",
+  why: ["No error of this machine is bounded: values are corrected, not tightened."],
+};
+
+/** The bound that makes most of the figure. */
+function firstOf({ error, um_of_p95 }: Budget["tighten"][number]): Answer {
+  const name = make("span", { "data-error": error, tabindex: "0" }, error);
+  return { words: name, figure: [figure("answer-tighten-first", um_of_p95, "µm"), " of the figure"] };
+}
+
+/** What to tighten first on a machine. */
+export function toTighten({ budget }: Findings): Answer {
+  const [first] = budget?.tighten ?? [];
+  return first ? firstOf(first) : UNBOUNDED;
 }
 
 /** The errors whose bounds become finer, those that change most first, and the cost. */

@@ -5,7 +5,8 @@ import { Newest } from "../evaluator/newest";
 import type { JudgedDifference } from "../evaluator/results";
 import { accepted, type Comparison, type Refusal } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
-import type { Tell } from "./answers";
+import type { Answer, Tell } from "./answers";
+import { type AskedPart, type Column, Columns, type Eight } from "./columns";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
@@ -36,19 +37,25 @@ interface Variant {
 export class Variants {
   private readonly list: Variant[] = [];
   private readonly body = make("div", { "aria-live": "polite" });
+  private readonly beside = make("div", { "aria-live": "polite" });
+  private readonly columns: Columns;
+  /** Name of the machine that is open, beside others. */
+  private own = PRESENT;
   private readonly back = button("Back to A", () => this.restore(), { id: "back-to-a" });
   private readonly asking: Newest;
 
   constructor(
-    parent: HTMLElement,
+    private readonly parent: HTMLElement,
     private readonly session: Session,
     private readonly editor: Editor,
+    part: AskedPart,
     /** Hears of the text of A. */
     private readonly kept: (first: string) => void,
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed, this.body);
+    this.columns = new Columns(this.beside, session, part, failed);
     const keep = button("Keep this state", () => this.add("", this.editor.text), { class: "primary", id: "keep-a" });
     const chosen = make("input", {
       type: "file",
@@ -63,14 +70,20 @@ export class Variants {
       "Keep the machine as a variant and go on editing, or open the file of another one, whose tables lie beside this " +
       "machine. All are compared on the same tool poses: those of the job, or 1000 of the volume.";
     parent.append(
-      make("p", { class: "words" }, words),
-      make("p", {}, keep, " ", open, chosen, " ", this.back),
+      make("p", { class: "words keeping" }, words),
+      make("p", { class: "keeping" }, keep, " ", open, chosen, " ", this.back),
+      this.beside,
       this.body,
     );
   }
 
+  /** The panel is looked at. */
+  opened(): void {
+    this.columns.opened();
+  }
+
   show(state: State): void {
-    this.body.classList.toggle("stale", !isSettled(state));
+    for (const of of [this.body, this.beside]) of.classList.toggle("stale", !isSettled(state));
     if (this.list.length && isSettled(state)) this.compare();
   }
 
@@ -94,9 +107,11 @@ export class Variants {
     this.back.disabled = this.list.length === 0;
   }
 
-  /** Begins with machines that have files. */
-  begin(others: { machine: string; text: string }[]): void {
-    const named = (of: string, i: number) => `${LETTERS[i]}: ${of.replace(/^.*[/\\]/, "")}`;
+  /** Begins with machines that have files, as the one that is open. */
+  begin(others: { machine: string; text: string }[], own: string): void {
+    const fileOf = (of: string) => of.replace(/^.*[/\\]/, "");
+    const named = (of: string, i: number) => `${LETTERS[i]}: ${fileOf(of)}`;
+    this.own = fileOf(own);
     const few = others.slice(0, LETTERS.length);
     this.list.splice(
       0,
@@ -111,38 +126,140 @@ export class Variants {
     if (first) this.editor.change({ from: 0, to: this.editor.view.state.doc.length, insert: first.text });
   }
 
-  private answer(of: Comparison): void {
+  /** The first three answers. Of several machines each is compared with the best. */
+  private answer(of: Comparison, names: string[], ranked: Comparison | null): void {
+    if (ranked) return this.several(ranked, names);
     const best = bestOf(of);
     const { which, by, sure } = verdictOf(of, best);
-    const names = [...this.list.map(({ name }) => name), "The present state"];
     const told = which === "better" ? (names[best] ?? "") : which === "first" ? names[0] : "";
     const words = told || { none: "No verdict", equal: "Equal", open: "Not told apart" }[which as "none"];
     this.tell("better", { words, mark: told ? "yes" : "open", why: [`${capital(scopeOf(of.over))}.`] });
     this.tell("by", { words: "", figure: by });
-    const isSure = sure.startsWith("Yes");
-    const mark = isSure ? "yes" : sure.startsWith("No:") ? "no" : "open";
-    const [short, ...rest] = sure.split(/(?<=^\w+): /);
-    this.tell("sure", { words: short ?? "", mark, why: rest });
+    this.tell("sure", surely(sure));
+  }
+
+  /** Three or more machines, the best one first in the comparison and in the names. */
+  private several(of: Comparison, names: string[]): void {
+    const rest = names.slice(1).map((name, i) => ({ name, ...verdictOf(of, i + 1), at: i + 1 }));
+    const isBest = rest.every(({ which }) => which === "first");
+    const isOpen = rest.some(({ which }) => which !== "first" && which !== "none");
+    const words = isBest ? (names[0] ?? "") : isOpen ? `${names[0]}, or one that is not told apart` : "No verdict";
+    const [judged] = of.verdicts.flatMap(({ by }) => (by ? [by] : []));
+    const over = `${capital(scopeOf(of.over))}${judged ? `, ${figureOf(judged)}` : ""}.`;
+    this.tell("better", { words, mark: isBest ? "yes" : "open", why: [over] });
+    const sizes = rest.map(({ name, at }) => [...sizeOf(of, at, rest.length), ` less than ${name}`]);
+    this.tell("by", { words: "", figure: sizes.flatMap((size, i) => (i ? ["; ", ...size] : size)) });
+    this.tell("sure", together(rest));
   }
 
   private compare(): void {
     void this.asking.do(async () => {
-      const files = this.list.map((of, i) => of.file ?? this.session.beside(file(LETTERS[i] ?? "")));
-      const [first = "", ...more] = files;
-      const texts = Object.fromEntries(this.list.map(({ text }, i) => [files[i] ?? "", text]));
-      const options = this.session.settings.compare;
-      const [answer] = await this.session.askAtRest([{ compare: { first, more, options } }], texts);
+      const list = this.machines();
+      const of = (machines: Machine[]) => this.compared(machines);
+      const answer = await of(list);
       const found = accepted<Comparison>(answer);
       if (answer === undefined) return;
-      const names = [...this.list.map(({ name }) => name), "now"];
+      const own = this.own === PRESENT ? "now" : this.own;
+      const names = [...this.list.map(({ name }) => name), own];
       this.body.replaceChildren(...(found ? shown(found, names) : refused(answer as Refusal)));
-      if (found) this.answer(found);
-      else for (const of of ["better", "by", "sure"] as const) this.tell(of);
+      this.beside.replaceChildren();
+      if (!found) return (["better", "by", "sure"] as const).forEach((asked) => this.tell(asked));
+      const best = bestAmong(found);
+      const turned = [...list.slice(best), ...list.slice(0, best)];
+      const isOne = list.length < 3 || best === 0;
+      const ranked = list.length < 3 ? null : isOne ? found : accepted<Comparison>(await of(turned));
+      const order = ranked ? turned : list;
+      const titles = nameless(order, ranked ?? found);
+      this.answer(found, titles, ranked);
+      const told = order.map((_, i) => against(ranked ?? found, i, titles[0] ?? ""));
+      const columns = order.map((of, i) => ({ ...of, name: titles[i] ?? of.name }));
+      this.columns.show(columns, told, !this.parent.hidden);
     });
+  }
+
+  /** The variants and the present state, as they are to be read. */
+  private machines(): Machine[] {
+    const variants = this.list.map(({ name, text, file: own }, i) => {
+      return { name, text, machine: own ?? this.session.beside(file(LETTERS[i] ?? "")) };
+    });
+    return [...variants, { name: this.own, text: this.editor.text, machine: this.session.machine }];
+  }
+
+  /** Compares machines with the first of them; undefined where the text is refused. */
+  private async compared(list: Machine[]): Promise<unknown> {
+    const last = list.at(-1);
+    const [first = "", ...more] = list.slice(0, -1).map(({ machine }) => machine);
+    const texts = Object.fromEntries(list.slice(0, -1).map(({ machine, text }) => [machine, text]));
+    const questions = [{ compare: { first, more, options: this.session.settings.compare } }];
+    const isOpen = last?.machine === this.session.machine;
+    const [answer] = await (isOpen || !last
+      ? this.session.askAtRest(questions, texts)
+      : this.session.askAbout(last.machine, last.text, questions, texts));
+    return answer;
   }
 }
 
+type Machine = Column;
+
+/** Name of the state of the text. */
+const PRESENT = "The present state";
+
+/** The names of machines: their own where these tell them apart, else those of their files or states. */
+function nameless(list: Machine[], { machines }: Comparison): string[] {
+  const titles = machines.map(({ machine }) => machine);
+  return new Set(titles).size === list.length ? titles : list.map(({ name }) => name);
+}
+
+/** Whether a difference is known, as an answer: its words end at the first colon. */
+function surely(sure: string): Answer {
+  const [short, ...rest] = sure.split(/(?<=^\w+): /);
+  const mark = sure.startsWith("Yes") ? "yes" : sure.startsWith("No:") ? "no" : "open";
+  return { words: short ?? "", mark, why: rest.map(capital) };
+}
+
+/** Whether the differences to several machines are known. */
+function together(rest: { name: string; sure: string }[]): Answer {
+  const all = rest.map(({ sure }) => surely(sure));
+  const [first] = all;
+  if (first && new Set(rest.map(({ sure }) => sure)).size === 1) return first;
+  const isSure = all.every(({ mark }) => mark === "yes");
+  const why = rest.map(
+    ({ name, sure }) => `${name}: ${sure.charAt(0).toLowerCase()}${sure.slice(1).replace(":", ",")}`,
+  );
+  return { words: isSure ? "Yes" : "Not of each", mark: isSure ? "yes" : "open", why: [why.join(" ")] };
+}
+
+/** The size of a difference to the first machine. */
+function sizeOf({ verdicts }: Comparison, at: number, last: number): (Node | string)[] {
+  const by = verdicts[at - 1]?.by;
+  return by ? [figure(at === last ? "answer-by" : `answer-by-${at}`, by.um, "µm")] : ["Not judged"];
+}
+
+/** What a comparison says of one of its machines against the first, as the first three answers. */
+function against(of: Comparison, at: number, first: string): Eight {
+  const nothing = { words: "–" };
+  if (at === 0) {
+    const isBest = of.verdicts.every((_, i) => verdictOf(of, i + 1).which === "first");
+    const words = isBest ? "The best of these" : "The others are compared with this one";
+    return { better: { words, ...(isBest ? { mark: "yes" } : {}) }, by: nothing, sure: nothing };
+  }
+  const { which, by, sure } = verdictOf(of, at);
+  const words = { better: "Better", first: "Worse", equal: "Equal", open: "Not told apart", none: "No verdict" }[which];
+  const mark = which === "better" ? "yes" : which === "first" ? "no" : "open";
+  return {
+    better: { words, mark, why: [`Against ${first}, ${scopeOf(of.over)}.`] },
+    by: { words: "", figure: by },
+    sure: surely(sure),
+  };
+}
+
 const capital = (words: string) => words.charAt(0).toUpperCase() + words.slice(1);
+
+/** Index of the machine that the program finds most better than the first; the first where it finds none. */
+function bestAmong(of: Comparison): number {
+  const isBetter = of.verdicts.some(({ verdict }) => verdict === "better");
+  return isBetter ? bestOf(of) : 0;
+}
 
 /** Index of the machine that the program finds most better than the first; the present one where it finds none. */
 function bestOf(of: Comparison): number {
