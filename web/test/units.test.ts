@@ -44,3 +44,17 @@ test("sentences of the program are read in the same units, ratios stay", () => {
   read("");
   assert.equal(units.said("limit 25.4 um"), "limit 25.4 µm");
 });
+
+test("positions, scale and their sentences are in inches beside micro-inch, else in mm", () => {
+  read("", "#units=uin-arcsec");
+  // An inch is 25.4 mm; two decimals more than in mm.
+  assert.equal(units.position(-254, "mm"), "−10 in");
+  assert.equal(units.position(100, "mm"), "3.937 in");
+  assert.equal(units.position(-12.34, "deg"), "−12.3 °");
+  assert.deepEqual(units.roundLength(700), { mm: 508, words: "20 in" });
+  assert.equal(units.positions("Z short by up to 254 mm below -508 mm"), "Z short by up to 10 in below −20 in");
+  read("", "#units=um-urad");
+  assert.equal(units.position(100.04, "mm"), "100 mm");
+  assert.deepEqual(units.roundLength(700), { mm: 500, words: "500 mm" });
+  assert.equal(units.positions("by 177.15 mm"), "by 177.15 mm");
+});

@@ -243,7 +243,7 @@ function said(error: string, { chain, numbers }: Findings): string {
   return words.charAt(0).toUpperCase() + words.slice(1) + by;
 }
 
-/** A pose in whole units (tenths of an inch); empty without one. */
+/** A pose in whole units (hundredths of an inch); empty without one. */
 function poseOf(axes: Axis[], pose: Pose | undefined): string {
   const at = ({ name, unit }: Axis) => `${name} ${position(pose?.[name] ?? 0, unit, 0)}`.replaceAll(" ", "\u00a0");
   return pose ? axes.map(at).join(", ") : "";
