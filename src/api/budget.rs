@@ -255,7 +255,7 @@ fn budgeted(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions)
     let at = fitting(call, machine, options)?;
     let work = BudgetWork::of(call, machine, options)?;
     let bounds = work.bounds(call, machine, options)?;
-    budget_of(call, machine, options, at, (work, bounds))
+    budget_of(call, machine, options, at, work, bounds)
 }
 
 /// The bounds of a budget.
@@ -420,7 +420,8 @@ pub(crate) fn budget_of(
     machine: &MachineFile,
     options: &BudgetOptions,
     at: Option<Pose>,
-    (work, bounds): (BudgetWork, BudgetBounds),
+    work: BudgetWork,
+    bounds: BudgetBounds,
 ) -> Result<BudgetResult, Refused> {
     let BudgetBounds { list: bounds, class, are_values } = bounds;
     let request = work.request(machine, options, (&bounds, at.as_deref()));

@@ -362,7 +362,7 @@ fn own_budget(
     let bounds = BudgetBounds { list, class, are_values: false };
     let ask = |call: &mut Call| {
         let work = BudgetWork::of(call, machine, &of)?;
-        budget_of(call, machine, &of, None, (work, bounds))
+        budget_of(call, machine, &of, None, work, bounds)
     };
     answer_within(call, |run| Call::answer(run, machine.sources(), ask)).map(Some)
 }

@@ -16,7 +16,7 @@ struct Verb {
 }
 
 /// Options that name a file or a folder that is read.
-const INPUTS: [&str; 15] = [
+const INPUTS: [&str; 16] = [
     "--axis-poses",
     "--check",
     "--columns",
@@ -27,6 +27,7 @@ const INPUTS: [&str; 15] = [
     "--installed",
     "--job",
     "--key",
+    "--predict",
     "--replay",
     "--sign",
     "--templates",
@@ -39,7 +40,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 26] = [
+const VERBS: [Verb; 27] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -51,6 +52,12 @@ const VERBS: [Verb; 26] = [
         arguments: &["map", "machine.END", "--tool-poses", "poses.END", "--target", "own", "--templates", "templates"],
         inputs: &["machine", "base", "table", "poses", "templates"],
         outputs: &["--csv", "--json", "--parquet", "--vtk", "--svg", "--png"],
+    },
+    Verb {
+        name: "map of poses of the axes",
+        arguments: &["map", "machine.END", "--axis-poses", "axes.END"],
+        inputs: &["machine", "base", "table", "axes"],
+        outputs: &["--csv", "--svg"],
     },
     Verb {
         name: "budget",
@@ -266,6 +273,7 @@ fn sources(folder: &Folder, ending: &str) {
     write("bounded", &format!("abbe: 1\nextends: base.{ending}\nerrors: {{ EXX: {{ tolerance: 9 um }} }}\n"));
     write("table", "X [mm],EXX [um]\n0,0\n200,5\n400,3\n");
     write("poses", "X,Y,Z\n100,200,300\n");
+    write("axes", "X,Y,Z\n100,200,300\n200,100,50\n");
     write("cost", "power: 1\n");
     write("job", &format!("tool_poses: poses.{ending}\n"));
     write("lines", "axis,dx [um],dy [um]\nC,4,-3\n");

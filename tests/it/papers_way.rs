@@ -39,6 +39,30 @@ const TRUTH: [(&str, f64); 12] = [
     ("ECZ:slope", 12.0),
 ];
 
+/// Fewer inputs: 21 readings along three lines determine what 343 do, and predict these nearly as well as their own fit.
+#[test]
+fn three_lines_of_seven_points_predict_the_grid() {
+    let folder = Folder::new();
+    let out = folder.path("three.yaml");
+    let file = out.to_str().unwrap();
+    let found = report("machine.yaml", "three-lines.csv", &["--out", file, "--quiet"]);
+    for (parameter, (name, known)) in found["parameters"].as_array().unwrap().iter().zip(TRUTH) {
+        let Some(sigma) = parameter["sigma"].as_f64() else { continue };
+        let gap = (parameter["value"].as_f64().unwrap() - known).abs();
+        assert!(parameter["name"] == name && gap < 4.0 * sigma, "{name}: off by {gap}, sigma {sigma}");
+    }
+    assert_eq!((found["rows"].as_u64(), found["rank"].as_u64()), (Some(63), Some(11)));
+    let grid = format!("{EXAMPLE}phantom.csv");
+    let predicted = ["identify", file, "--predict", &grid, "--noise", "1 um", "--format", "json"];
+    let predicted = json(&run(&predicted));
+    assert_eq!(predicted["verdict"], "within", "{predicted}");
+    // The noise of three components is 1.73 um; what the prediction adds is below its largest uncertainty.
+    let left = predicted["kinds"][0]["left"].as_f64().unwrap();
+    let u = found["prediction"]["largest_um"].as_f64().unwrap();
+    let noise = 3.0_f64.sqrt();
+    assert!(left > 0.95 * noise && left < (noise * noise + u * u).sqrt(), "{left} {u}");
+}
+
 #[test]
 fn the_phantom_is_found_again_by_the_joint_fit() {
     let folder = Folder::new();

@@ -87,7 +87,7 @@ fn geometry_is_questioned() {
             "W0413",
             "above 0.08 um: are its values in mm?",
         ),
-        ("EX0C: 6 um", "EBX: { points: [[0 mm, 0 deg], [500 mm, 1.8 deg]] }", "W0413", "`EBX` reaches 31.4 mrad"),
+        ("EX0C: 6 um", "EAA: { points: [[-120 deg, 0 deg], [30 deg, 1.8 deg]] }", "W0413", "`EAA` reaches 31.4 mrad"),
         ("EX0C: 6 um }", "EX0C: 6 um }\ntolerances: { EXX: 0.008 um }", "W0413", "`EXX` is bounded by 0.008 um"),
     ] {
         let (codes, said) = with(&folder, from, to);

@@ -70,6 +70,9 @@ def main():
     files = {
         "phantom.csv": table([(x, y, z) for z in zs for y in ys for x in xs]),
         "line.csv": table([(x, 250.0, -125.0) for x in xs]),
+        "three-lines.csv": table(
+            [(x, 250.0, -125.0) for x in xs] + [(375.0, y, -125.0) for y in ys] + [(375.0, 250.0, z) for z in zs]
+        ),
     }
     folder = Path(__file__).parent
     for name, text in files.items():

@@ -125,6 +125,13 @@ class DegreePart(Record):
     e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, row by row."]
 
 
+class InversePole(Record):
+    """A pose at which the tool is parallel to a rotary axis: the position alone is solved for."""
+
+    free: Annotated[str, "The rotary axis that is free: it does not turn the tool axis."]
+    unreachable: Annotated[list[float], "Unit vector across the tool axis, workpiece frame, into which no axis turns it."]
+
+
 class PoseResult(Record):
     """Deviation at one pose."""
 
@@ -142,6 +149,7 @@ class PoseResult(Record):
     coefficients: Annotated[Union[list[MonomialPart], None], "Parts of the monomials of an algebra, or of the powers of one generator with an order, lowest degree first; those that are 0 left out."]
     degrees: Annotated[Union[list[DegreePart], None], "Their sums by degree."]
     inverse: Annotated[Union[Named[float], None], "Motions of the axes that undo the errors, mm and deg, with ``inverse``."]
+    inverse_pole: Annotated[Union[InversePole, None], "The pole at which they hold the position alone: what is free, and what is left."]
 
 
 class EvalFields(Record):

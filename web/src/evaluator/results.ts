@@ -1054,6 +1054,14 @@ export type InstrumentResult = {
   instrument: "step_diagonals";
 } & LaserReadings);
 
+/** A pose at which the tool is parallel to a rotary axis: the position alone is solved for. */
+export interface InversePole {
+  /** The rotary axis that is free: it does not turn the tool axis. */
+  free: string;
+  /** Unit vector across the tool axis, workpiece frame, into which no axis turns it. */
+  unreachable: [number, number, number];
+}
+
 /** Shape of an error matrix. */
 export type Joints = "orthogonal" | "linearised";
 
@@ -1555,6 +1563,8 @@ export interface PoseResult {
   degrees?: DegreePart[] | null;
   /** Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`]. */
   inverse?: Record<string, number> | null;
+  /** The pole at which they hold the position alone: what is free, and what is left. */
+  inverse_pole?: InversePole | null;
 }
 
 /** Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order. */
