@@ -77,9 +77,17 @@ fn geometry_is_questioned() {
         ("EX0C: 6 um", "EX0C: 2.5 mm", "W0413", "`EX0C` is 2.5 mm: is it the place where axis `C` stands"),
         (
             "EX0C: 6 um",
-            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 900 um], [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
+            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 900 um], \
+             [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
             "W0413",
             "`EXX` is 900 um at 200 mm, 896 um off the line through its neighbours",
+        ),
+        (
+            "EX0C: 6 um",
+            "EXX: { points: [[0 mm, -300 um], [100 mm, 2 um], [200 mm, 4 um], \
+             [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
+            "W0413",
+            "`EXX` is -300 um at 0 mm, 300 um off the line through its neighbours",
         ),
         (
             "EX0C: 6 um",
@@ -104,7 +112,8 @@ fn what_is_right_is_not_questioned() {
     for (from, to) in [
         (
             "EX0C: 6 um",
-            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 50 um], [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
+            "EXX: { points: [[0 mm, 0 um], [100 mm, 2 um], [200 mm, 50 um], \
+             [300 mm, 6 um], [350 mm, 8 um], [400 mm, 8 um], [450 mm, 9 um], [500 mm, 10 um]] }",
         ),
         ("[-120 deg, 30 deg]", "[-1.5, 1.5]"),
         ("[-120 deg, 30 deg]", "[-5, 0]"),

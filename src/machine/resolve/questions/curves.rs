@@ -91,19 +91,21 @@ impl Unit {
             (value - from - (to - from) * (q - a) / (b - a)).abs()
         };
         let all: Vec<f64> = (0..points.len()).map(off).collect();
-        let ends = [0, points.len() - 1];
-        let inner = (1..points.len() - 1).max_by(|a, b| all[*a].total_cmp(&all[*b]));
+        let last = points.len() - 1;
+        let inner = (1..last).max_by(|a, b| all[*a].total_cmp(&all[*b]))?;
+        // A value at an end draws one neighbour along, a value within two.
+        let far = match inner {
+            1 if all[2] < all[1] / 4.0 => 0,
+            inner if inner + 1 == last && all[inner - 1] < all[inner] / 4.0 => last,
+            inner => inner,
+        };
         // Distances to which the value does not contribute.
-        let median_beside = |far: usize| {
-            let mut others: Vec<f64> = (0..points.len()).filter(|i| i.abs_diff(far) > 2).map(|i| all[i]).collect();
-            others.sort_by(f64::total_cmp);
-            others.get(others.len() / 2).copied()
-        };
-        let is_far = |far: &usize| {
-            median_beside(*far).is_some_and(|median| all[*far] >= self.of_limits(SPIKE).max(SPIKE_RATIO * median))
-        };
-        let far = inner.into_iter().chain(ends).find(is_far)?;
-        let (size, median) = (all[far], median_beside(far)?);
+        let mut others: Vec<f64> = (0..points.len()).filter(|i| i.abs_diff(far) > 2).map(|i| all[i]).collect();
+        others.sort_by(f64::total_cmp);
+        let (size, median) = (all[far], others.get(others.len() / 2).copied()?);
+        if size < self.of_limits(SPIKE).max(SPIKE_RATIO * median) {
+            return None;
+        }
         let (at, value) = points[far];
         let message = format!(
             "is {} at {} {axis_unit}, {} off the line through its neighbours; of half of {} it is {} at most",
