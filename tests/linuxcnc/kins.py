@@ -165,8 +165,19 @@ class Launched(session.Controller):
             step = max(abs(a - b) for a, b in zip(now, before))
             result["largest_step"] = max(result["largest_step"], step)
             before = now
-        session.time.sleep(0.1)
-        return motors(self)
+        return self.at_rest()
+
+    def at_rest(self):
+        """Motor commands once ten looks find the same: on a busy computer few servo cycles pass between two."""
+        last, same = motors(self), 0
+        end = session.time.monotonic() + 20
+        while same < 10:
+            if session.time.monotonic() > end:
+                raise session.SessionFailed("timeout: standstill")
+            session.time.sleep(0.05)
+            now = motors(self)
+            last, same = now, same + 1 if now == last else 0
+        return last
 
 
 def display():
@@ -178,8 +189,7 @@ def display():
         controller.mdi(line, 30, lambda: session.time.sleep(0.01))
     result = {"shares": [], "largest_step": 0.0}
     controller.wait("the correction", lambda: controller.pin("abbe-ramp.out") == 1)
-    session.time.sleep(0.5)
-    result["on"] = motors(controller)
+    result["on"] = controller.at_rest()
     result["off"] = controller.fade(0, result)
     result["again"] = controller.fade(1, result)
     with open("result.json", "w") as out:
