@@ -12,12 +12,12 @@ import abbe
 from abbe import _abbe
 
 #: Options that the package sets itself: texts are columns in memory.
-OWN = {("identify", "texts"), ("fit_monomials", "texts")}
+OWN = {("identify", "texts"), ("fit_monomials", "texts"), ("predict", "texts")}
 
 
 def test_no_option_is_missing() -> None:
     verbs = json.loads(_abbe.verbs())
-    assert len(verbs) == 27
+    assert len(verbs) == 28
     for name, options in verbs.items():
         free = name in ("import_readings", "figures", "record", "record_trend", "testpiece")
         method = getattr(abbe if free else abbe.Machine, name)
