@@ -426,9 +426,9 @@ class PredictedKind(Record):
     unit: Annotated[str, "``um`` or ``urad``."]
     places: Annotated[int, "Number of rows."]
     within: Annotated[float, "Share of |E_n| <= 1."]
-    measured: Annotated[float, "Of the readings."]
-    predicted: Annotated[float, "Of the prediction."]
-    left: Annotated[float, "Of measured less predicted."]
+    measured: Annotated[float, "RMS of the readings."]
+    predicted: Annotated[float, "RMS of the prediction."]
+    left: Annotated[float, "RMS of measured less predicted."]
 
 
 class SetUpValue(Record):

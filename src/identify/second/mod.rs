@@ -27,6 +27,7 @@ use crate::job::machine_file::MachineFile;
 use crate::run::{Call, Refused};
 use crate::standards::Coverage;
 use campaign::Campaign;
+use result::JudgedCampaign;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -54,13 +55,7 @@ pub(crate) fn second_measurement(
     inputs: &SecondInputs<'_>,
     added: Additions<'_>,
 ) -> Result<SecondMeasurement, Refused> {
-    let (data, own, once) = readings(call, file, inputs)?;
-    let campaign = Campaign::new(file, &data, Some(added));
-    let reduced = campaign.reduce(file, &data, &own);
-    let judged = judge::judge(&reduced, inputs.seed);
-    let result = result::of(&campaign, &reduced, &judged, once, &call.diagnostics.sources);
-    call.go_on()?;
-    Ok(result)
+    judged(call, file, inputs, Some(added), result::of)
 }
 
 /// Judges a machine file by readings of the machine as it is; nothing but the set-up is fitted.
@@ -71,11 +66,24 @@ pub(crate) fn predicted_readings(
     file: &MachineFile,
     inputs: &SecondInputs<'_>,
 ) -> Result<PredictedReadings, Refused> {
-    let (data, own, once) = readings(call, file, inputs)?;
-    let campaign = Campaign::new(file, &data, None);
+    judged(call, file, inputs, None, |of| model::of(file, of))
+}
+
+/// Judges a campaign, and returns what `result` makes of it.
+fn judged<T>(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &SecondInputs<'_>,
+    added: Option<Additions<'_>>,
+    result: impl FnOnce(JudgedCampaign<'_>) -> T,
+) -> Result<T, Refused> {
+    let (data, own, counted_once) = readings(call, file, inputs)?;
+    let campaign = Campaign::new(file, &data, added);
     let reduced = campaign.reduce(file, &data, &own);
     let judged = judge::judge(&reduced, inputs.seed);
-    let result = model::of(file, &campaign, &reduced, &judged, once, &call.diagnostics.sources);
+    let sources = &call.diagnostics.sources;
+    let of = JudgedCampaign { campaign: &campaign, reduced: &reduced, judged: &judged, counted_once, sources };
+    let result = result(of);
     call.go_on()?;
     Ok(result)
 }

@@ -1,9 +1,7 @@
 //! The verdict on a machine file by readings of the machine, without a fit: as a value and in words.
 
 use super::campaign::Campaign;
-use super::judge::{Judged, Reduced};
-use super::result::{JudgedReading, SeenCorrection, SetUpValue, reading, set_up};
-use crate::diagnostic::Sources;
+use super::result::{JudgedCampaign, JudgedReading, SeenCorrection, SetUpValue, WITHIN_EXPECTED};
 use crate::identify::data::ReadingKind;
 use crate::machine::Machine;
 use crate::units::significant;
@@ -55,11 +53,11 @@ pub struct PredictedKind {
     pub places: usize,
     /// Share of |E_n| <= 1.
     pub within: f64,
-    /// Of the readings.
+    /// RMS of the readings.
     pub measured: f64,
-    /// Of the prediction.
+    /// RMS of the prediction.
     pub predicted: f64,
-    /// Of measured less predicted.
+    /// RMS of measured less predicted.
     pub left: f64,
 }
 
@@ -94,15 +92,9 @@ pub struct PredictedReadings {
     pub readings: Vec<JudgedReading>,
 }
 
-/// Returns the verdict on a judged campaign without a set.
-pub(super) fn of(
-    machine: &Machine,
-    campaign: &Campaign<'_>,
-    reduced: &Reduced,
-    judged: &Judged,
-    counted_once: Vec<String>,
-    sources: &Sources,
-) -> PredictedReadings {
+/// Returns the verdict on a machine by a campaign without a set.
+pub(super) fn of(machine: &Machine, of: JudgedCampaign<'_>) -> PredictedReadings {
+    let JudgedCampaign { campaign, reduced, judged, .. } = of;
     let is_within = judged.within >= judged.least && judged.amount.as_ref().is_none_or(|amount| amount.allows(1.0));
     let verdict = match &judged.amount {
         _ if !is_within => ModelVerdict::NotWithin,
@@ -114,31 +106,22 @@ pub(super) fn of(
         0.0 => ModelAlternative::Nominal,
         _ => ModelAlternative::Reversed,
     });
-    let readings: Vec<JudgedReading> =
-        (0..campaign.numbers.len()).map(|i| reading(campaign, reduced, judged, i, sources)).collect();
-    let mut kinds: Vec<ReadingKind> = campaign.rows.iter().map(|m| m.kind()).collect();
-    kinds.sort_unstable();
-    kinds.dedup();
-    let kinds: Vec<PredictedKind> = kinds.into_iter().map(|kind| of_kind(campaign, &readings, kind)).collect();
-    let seen = judged.amount.as_ref();
+    let readings = of.readings();
+    let kinds: Vec<PredictedKind> = of.kinds().into_iter().map(|kind| of_kind(campaign, &readings, kind)).collect();
     PredictedReadings {
         machine: machine.name().to_owned(),
         words: words(&kinds, verdict, instead),
         verdict,
         within: judged.within,
-        within_expected: 0.9545,
+        within_expected: WITHIN_EXPECTED,
         within_least: judged.least,
-        errors_seen: seen.map(|of| SeenCorrection {
-            axis: None,
-            amount: of.value,
-            expanded_uncertainty: 2.0 * of.sigma,
-        }),
+        errors_seen: judged.amount.as_ref().map(|amount| SeenCorrection::of(None, amount)),
         instead,
         has_predicted_uncertainty: reduced.parts.left.ncols() > 0,
-        counted_once,
         kinds,
-        set_up: reduced.readings.unknowns.iter().enumerate().map(|(j, of)| set_up(reduced, j, of)).collect(),
+        set_up: of.set_up(),
         readings,
+        counted_once: of.counted_once,
     }
 }
 

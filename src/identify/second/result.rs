@@ -145,19 +145,72 @@ pub struct SecondMeasurement {
     pub readings: Vec<JudgedReading>,
 }
 
-/// Returns the verdict on a judged campaign.
-pub(super) fn of(
-    campaign: &Campaign<'_>,
-    reduced: &Reduced,
-    judged: &Judged,
-    counted_once: Vec<String>,
-    sources: &Sources,
-) -> SecondMeasurement {
-    let seen = |axis: Option<String>, of: &Amount| SeenCorrection {
-        axis,
-        amount: of.value,
-        expanded_uncertainty: 2.0 * of.sigma,
-    };
+/// The share of |E_n| <= 1 that is expected, k = 2.
+pub(super) const WITHIN_EXPECTED: f64 = 0.9545;
+
+impl SeenCorrection {
+    pub(super) fn of(axis: Option<String>, amount: &Amount) -> Self {
+        Self { axis, amount: amount.value, expanded_uncertainty: 2.0 * amount.sigma }
+    }
+}
+
+/// A campaign with its judgement.
+pub(super) struct JudgedCampaign<'a> {
+    pub campaign: &'a Campaign<'a>,
+    pub reduced: &'a Reduced,
+    pub judged: &'a Judged,
+    /// Contributions that count once, by name.
+    pub counted_once: Vec<String>,
+    pub sources: &'a Sources,
+}
+
+impl JudgedCampaign<'_> {
+    /// Returns the kinds of its readings, each once.
+    pub fn kinds(&self) -> Vec<ReadingKind> {
+        let mut kinds: Vec<ReadingKind> = self.campaign.rows.iter().map(|m| m.kind()).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Returns set-up and instruments, by the readings.
+    pub fn set_up(&self) -> Vec<SetUpValue> {
+        let unknowns = self.reduced.readings.unknowns.iter().enumerate();
+        unknowns.map(|(j, of)| set_up(self.reduced, j, of)).collect()
+    }
+
+    /// Returns every reading against its prediction.
+    pub fn readings(&self) -> Vec<JudgedReading> {
+        (0..self.campaign.numbers.len()).map(|i| self.reading(i)).collect()
+    }
+
+    fn reading(&self, i: usize) -> JudgedReading {
+        let Self { campaign, reduced, judged, sources, .. } = self;
+        let (row, component) = campaign.numbers[i];
+        let m = &campaign.rows[row];
+        let (unit, factor) = m.kind().unit();
+        let scale = factor * reduced.readings.sigma[i];
+        let [measured_u, predicted_u] = reduced.uncertainties(i).map(|u| 2.0 * u * scale);
+        let predicted = reduced.predicted[i] * scale;
+        // A record is the same wherever it is made.
+        let file = Path::new(sources.name(m.place.source));
+        let file = file.file_name().map_or(file, Path::new);
+        JudgedReading {
+            place: format!("{}:{}", file.display(), sources.line_column(&m.place).0),
+            component,
+            unit,
+            predicted,
+            measured: predicted + reduced.residual()[i] * scale,
+            predicted_u,
+            measured_u,
+            e_n: judged.e_n[i],
+        }
+    }
+}
+
+/// Returns the verdict on a set.
+pub(super) fn of(of: JudgedCampaign<'_>) -> SecondMeasurement {
+    let JudgedCampaign { campaign, reduced, judged, .. } = of;
     let allowed = |of: &Amount| of.allows(1.0);
     let is_within = judged.within >= judged.least
         && judged.amount.as_ref().is_none_or(allowed)
@@ -172,62 +225,32 @@ pub(super) fn of(
         0.0 => SetAlternative::NotInForce,
         _ => SetAlternative::Reversed,
     });
-    let mut kinds: Vec<ReadingKind> = campaign.rows.iter().map(|m| m.kind()).collect();
-    kinds.sort_unstable();
-    kinds.dedup();
-    let kinds: Vec<MeasuredKind> = kinds.into_iter().map(|kind| of_kind(campaign, reduced, judged, kind)).collect();
+    let kinds = of.kinds().into_iter().map(|kind| of_kind(campaign, reduced, judged, kind)).collect();
+    let seen = SeenCorrection::of;
     let mut result = SecondMeasurement {
         verdict,
         words: String::new(),
         within: judged.within,
-        within_expected: 0.9545,
+        within_expected: WITHIN_EXPECTED,
         within_least: judged.least,
         correction: judged.amount.as_ref().map(|amount| seen(None, amount)),
         correction_by_axis: judged.by_axis.iter().map(|(axis, of)| seen(Some(campaign.axis(*axis)), of)).collect(),
         instead,
         has_predicted_uncertainty: reduced.parts.left.ncols() > 0,
-        counted_once,
         kinds,
-        set_up: reduced.readings.unknowns.iter().enumerate().map(|(j, of)| set_up(reduced, j, of)).collect(),
-        readings: (0..campaign.numbers.len()).map(|i| reading(campaign, reduced, judged, i, sources)).collect(),
+        set_up: of.set_up(),
+        readings: of.readings(),
+        counted_once: of.counted_once,
     };
     let off = judged.by_axis.iter().zip(&result.correction_by_axis).filter(|((_, amount), _)| !allowed(amount));
     result.words = words(&result, &off.map(|(_, seen)| seen).collect::<Vec<_>>());
     result
 }
 
-pub(super) fn set_up(reduced: &Reduced, j: usize, of: &SetUpUnknown) -> SetUpValue {
+fn set_up(reduced: &Reduced, j: usize, of: &SetUpUnknown) -> SetUpValue {
     let (unit, factor) = of.unit;
     let value = (reduced.step[j] + reduced.readings.away[j]) * factor;
     SetUpValue { name: of.name.clone(), value, unit, known: of.known.map(|known| known * factor) }
-}
-
-pub(super) fn reading(
-    campaign: &Campaign<'_>,
-    reduced: &Reduced,
-    judged: &Judged,
-    i: usize,
-    sources: &Sources,
-) -> JudgedReading {
-    let (row, component) = campaign.numbers[i];
-    let m = &campaign.rows[row];
-    let (unit, factor) = m.kind().unit();
-    let scale = factor * reduced.readings.sigma[i];
-    let [measured_u, predicted_u] = reduced.uncertainties(i).map(|u| 2.0 * u * scale);
-    let predicted = reduced.predicted[i] * scale;
-    // A record is the same wherever it is made.
-    let file = Path::new(sources.name(m.place.source));
-    let file = file.file_name().map_or(file, Path::new);
-    JudgedReading {
-        place: format!("{}:{}", file.display(), sources.line_column(&m.place).0),
-        component,
-        unit,
-        predicted,
-        measured: predicted + reduced.residual()[i] * scale,
-        predicted_u,
-        measured_u,
-        e_n: judged.e_n[i],
-    }
 }
 
 /// Returns the figures of a kind. The mean square of a normal vector x with covariance C has the expectation

@@ -1,6 +1,6 @@
 //! Measured curves that are allowed and seldom meant: values in another unit, and single values far out.
 
-use super::asked::{TINY, WIDE_LOCATION, ask};
+use super::asked::{TINY, WIDE_LOCATION, angle, ask};
 use crate::diagnostic::Diagnostic;
 use crate::machine::resolve::doubles::is_fitted_curve;
 use crate::machine::{Curve, ErrorId, ErrorTerm, Machine};
@@ -68,10 +68,7 @@ impl Unit {
     }
 
     fn wide(&self, largest: f64) -> Option<Question> {
-        let message = || {
-            let arcsec = significant(largest.to_degrees() * 3600.0, 3);
-            format!("reaches {} mrad, {arcsec} arcsec: is that meant?", significant(largest * 1e3, 3))
-        };
+        let message = || format!("reaches {}: is that meant?", angle(largest, 1e3, "mrad"));
         (self.turns && largest >= WIDE_LOCATION)
             .then(|| (message(), "microradians and arcseconds are usual: compare the unit of its values"))
     }

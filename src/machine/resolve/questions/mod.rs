@@ -9,7 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::machine::{Axis, AxisKind, AxisName, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 use crate::syntax::{Document, Keys, PositionEntry, Scalar, TravelEntry, keys};
 use crate::units::{self, Dimension, significant};
-use asked::{TINY, WIDE_LOCATION, ask};
+use asked::{TINY, WIDE_LOCATION, angle, ask};
 use curves::curve_questions;
 use nalgebra::Vector3;
 
@@ -383,11 +383,9 @@ fn wide_location(document: &Document, error: &ErrorId, term: &ErrorTerm) -> Opti
     if value.abs() < WIDE_LOCATION || is_fitted_location(document, error) {
         return None;
     }
-    let arcsec = value.to_degrees() * 3600.0;
-    let (mrad, arcsec) = (significant(value * 1e3, 3), significant(arcsec, 3));
     let help = "microradians and arcseconds are usual: compare the unit; an axis that is oblique by design has a \
                 `direction`";
-    let message = format!("`{error}` is {mrad} mrad, {arcsec} arcsec: is that meant?");
+    let message = format!("`{error}` is {}: is that meant?", angle(*value, 1e3, "mrad"));
     Some(ask(document, &keys(["errors", &error.to_string()]), message, help))
 }
 
@@ -403,10 +401,9 @@ fn bounds(document: &Document, machine: &Machine) -> Vec<Diagnostic> {
     };
     let ask_of = |(name, value, turns): (String, f64, bool)| {
         let at: Vec<String> = std::iter::once("tolerances").chain(name.split_whitespace()).map(str::to_owned).collect();
-        let (small, arcsec) = (significant(value * 1e6, 3), significant(value.to_degrees() * 3600.0, 3));
         let (size, help) = match (turns, is_tiny(value, turns)) {
-            (true, true) => (format!("{small} urad, {arcsec} arcsec"), "urad or arcsec"),
-            (true, false) => (format!("{} mrad, {arcsec} arcsec", significant(value * 1e3, 3)), "urad or arcsec"),
+            (true, true) => (angle(value, 1e6, "urad"), "urad or arcsec"),
+            (true, false) => (angle(value, 1e3, "mrad"), "urad or arcsec"),
             (false, true) => (format!("{} um", significant(value * 1e3, 3)), "um"),
             (false, false) => (format!("{} mm", significant(value, 3)), "um"),
         };
